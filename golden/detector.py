@@ -1,0 +1,144 @@
+"""The whole detector: an image in, corners out, by the blocks of Fig. 9 in their order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from golden.convolution import smooth
+from golden.corner_detection import corner_detection
+from golden.output_constructor import Corners, FrameEnd, Records, decode, encode, encode_frame_end
+from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings
+from golden.preprocessing import Image, IntArray, gradients, products
+from golden.response import response
+from golden.subpixel import subpixel
+from golden.texture_filter import texture_filter
+from golden.thresholds import Thresholds, choose_reference, thresholds
+
+RESPONSE_MARGIN = 3
+"""Pixels at each edge of a frame that have no response: gradient 1 and smoothing 2."""
+_STRIP_ROWS = 64
+
+
+def check_image(image: object, parameters: Parameters) -> Image:
+    """The image itself if this detector can take it, else ``TypeError`` or ``ValueError`` saying why."""
+    if not isinstance(image, np.ndarray):
+        raise TypeError(f"image is a {type(image).__name__}; allowed: a NumPy array")
+    dtype = np.dtype(np.uint8 if parameters.pixel_bits <= 8 else np.uint16)
+    if image.dtype != dtype:
+        raise TypeError(f"image has dtype {image.dtype}; allowed: {dtype} ({parameters.pixel_bits}-bit pixels)")
+    if image.ndim != 2:
+        raise ValueError(f"image has shape {image.shape}; allowed: (height, width), one channel")
+    height, width = image.shape
+    if not (SUPPORT <= width <= parameters.max_width and SUPPORT <= height <= parameters.max_height):
+        raise ValueError(
+            f"image is {width}x{height}; allowed: {SUPPORT}x{SUPPORT} "
+            f"to {parameters.max_width}x{parameters.max_height} (the built maximum)"
+        )
+    if parameters.pixel_bits != 8 * dtype.itemsize and image.max() > parameters.pixel_max:
+        raise ValueError(f"image has a pixel of {image.max()}; allowed: 0 to {parameters.pixel_max}")
+    return image
+
+
+def response_map(image: Image, parameters: Parameters) -> IntArray:
+    """D of every pixel that has one: (height, width) in, (height-6, width-6) int32 out.
+
+    Worked off in strips of rows, so that the intermediate arrays stay in the processor's cache.
+    """
+    height, width = image.shape
+    result = np.empty((height - 2 * RESPONSE_MARGIN, width - 2 * RESPONSE_MARGIN), dtype=np.int32)
+    for top in range(0, len(result), _STRIP_ROWS):
+        strip = image[top : top + _STRIP_ROWS + 2 * RESPONSE_MARGIN]
+        gx, gy = gradients(strip)
+        a, b, c = (smooth(product) for product in products(gx, gy, parameters.gradient))
+        result[top : top + _STRIP_ROWS] = response(a, b, c)
+    return result
+
+
+def frame_records(responses: IntArray, limits: Thresholds, parameters: Parameters, report_rejected: bool) -> Records:
+    """Records of one frame's corners, in raster order, from its response map."""
+    inner = MARGIN - RESPONSE_MARGIN
+    detected = corner_detection(responses, limits.t1, parameters.ties)[inner - 1 : 1 - inner, inner - 1 : 1 - inner]
+    rows, columns = np.nonzero(detected)
+    windows = sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
+    textured = ~texture_filter(windows, limits.t2, parameters.patches)
+    if not report_rejected:
+        rows, columns, windows, textured = (array[~textured] for array in (rows, columns, windows, textured))
+    offset = subpixel(windows[:, inner - 1 : inner + 2, inner - 1 : inner + 2], parameters.fit)
+    return encode(columns + MARGIN, rows + MARGIN, windows[:, inner, inner], offset, textured)
+
+
+def detect(
+    image: NDArray[np.unsignedinteger[Any]],
+    parameters: Parameters | None = None,
+    settings: Settings | None = None,
+    *,
+    reference: int | None = None,
+) -> Corners:
+    """Corners of one image, bit by bit what the hardware reports.
+
+    Parameters
+    ----------
+    image
+        (height, width) uint8 (uint16 for more than 8 pixel bits), 15x15 up to the built maximum.
+    parameters, settings
+        The detector and its thresholds; by default the profile ``paper``.
+    reference
+        Dref. By default the constant if the settings say so, else the image's own largest D: what the
+        hardware uses from the second frame on while the scene stands still, and OpenCV's ``qualityLevel``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Wrong dtype, rank or size; constant, floor or reference out of range.
+    """
+    parameters, settings = parameters or Parameters(), settings or Settings()
+    image = check_image(image, parameters)
+    settings.check(parameters)
+    responses = response_map(image, parameters)
+    if reference is None:
+        reference = choose_reference(settings, int(responses.max()))
+    elif not 0 <= reference <= parameters.response_max:
+        raise ValueError(f"reference is {reference}; allowed: 0 to {parameters.response_max}")
+    limits = thresholds(settings, reference, parameters)
+    return decode(frame_records(responses, limits, parameters, settings.report_rejected))
+
+
+@dataclass(frozen=True)
+class FrameResult:
+    """One frame as the hardware delivers it: all its records, the last one marking its end."""
+
+    records: Records
+    corners: Corners
+    maximum: int
+
+
+class StreamModel:
+    """The detector on a stream of frames: each frame's largest D is the next one's reference."""
+
+    def __init__(self, parameters: Parameters | None = None) -> None:
+        self.parameters = parameters or Parameters()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the previous frame and start counting from 0, as a hardware reset does."""
+        self._previous_maximum: int | None = None
+        self._frame = 0
+
+    def process(self, image: NDArray[np.unsignedinteger[Any]], settings: Settings | None = None) -> FrameResult:
+        """Next frame of the stream; raises what :func:`detect` raises."""
+        settings = settings or Settings()
+        image = check_image(image, self.parameters)
+        settings.check(self.parameters)
+        responses = response_map(image, self.parameters)
+        maximum = int(responses.max())
+        limits = thresholds(settings, choose_reference(settings, self._previous_maximum), self.parameters)
+        records = frame_records(responses, limits, self.parameters, settings.report_rejected)
+        end = encode_frame_end(FrameEnd(len(records), self._frame, maximum))
+        self._previous_maximum = maximum
+        self._frame += 1
+        return FrameResult(np.append(records, np.uint64(end)), decode(records), maximum)

@@ -1,0 +1,159 @@
+"""Output construction (Sec. 3.5) and the one description of the 64-bit record.
+
+======  =====================================================================
+bits    corner record
+======  =====================================================================
+19:0    x, unsigned, 7 fractional bits (1/128 pixel), first pixel centre = 0
+39:20   y, likewise
+60:40   D, the corner response, unsigned (17 bits used with 8-bit pixels)
+61      CLAMPED: the peak lay beyond half a pixel in x or y and was clamped
+62      NOT_MAXIMUM: the fitted surface has no maximum; the offset is (0, 0)
+63      TEXTURED: rejected by the texture filter (only if those are reported)
+======  =====================================================================
+
+A corner is never CLAMPED and NOT_MAXIMUM at once, so both together mark the one end-of-frame record that
+closes every frame, also a frame without corners:
+
+======  =====================================================================
+bits    end-of-frame record
+======  =====================================================================
+23:0    number of corner records in the frame
+39:24   frame number since reset, modulo 65536
+60:40   largest D of the frame: the next frame's reference
+62:61   both set
+63      0
+======  =====================================================================
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntFlag
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.parameters import COORDINATE_BITS, OFFSET_BITS
+from golden.preprocessing import IntArray
+from golden.subpixel import Offset
+
+Records = NDArray[np.uint64]
+
+RECORD_BITS = 64
+RESPONSE_SHIFT = 2 * COORDINATE_BITS
+RESPONSE_FIELD_BITS = 21
+FLAG_SHIFT = RESPONSE_SHIFT + RESPONSE_FIELD_BITS
+COUNT_BITS = 24
+FRAME_BITS = 16
+
+
+class Flag(IntFlag):
+    """Bits 63:61 of a record."""
+
+    CLAMPED = 1
+    NOT_MAXIMUM = 2
+    TEXTURED = 4
+
+
+END_OF_FRAME = Flag.CLAMPED | Flag.NOT_MAXIMUM
+
+
+@dataclass(frozen=True)
+class Corners:
+    """Corners in raster order, as parallel arrays of one length; empty arrays where there are none.
+
+    Attributes
+    ----------
+    x, y
+        float64 position in pixels, the first pixel's centre at (0, 0), exact multiples of 1/128.
+    response
+        int64 corner response D.
+    flags
+        uint8, bits of :class:`Flag`.
+    """
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    response: NDArray[np.int64]
+    flags: NDArray[np.uint8]
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    @property
+    def accepted(self) -> NDArray[np.bool_]:
+        """True where the texture filter let the corner pass."""
+        return (self.flags & Flag.TEXTURED) == 0
+
+    def points(self) -> NDArray[np.float32]:
+        """The accepted corners as OpenCV takes them: (N, 1, 2) float32, x before y."""
+        return np.stack([self.x, self.y], axis=-1)[self.accepted].astype(np.float32)[:, None, :]
+
+
+class FrameEnd(NamedTuple):
+    """What an end-of-frame record says."""
+
+    records: int
+    frame: int
+    maximum: int
+
+
+def encode(x: IntArray, y: IntArray, response: IntArray, offset: Offset, textured: NDArray[np.bool_]) -> Records:
+    """Records of corners at whole pixels (x, y): X = x + dx, Y = y + dy (Eqs. 14-17; x is added once)."""
+    x_fixed = (x.astype(np.int64) << OFFSET_BITS) + offset.dx
+    y_fixed = (y.astype(np.int64) << OFFSET_BITS) + offset.dy
+    flags = (
+        offset.clamped * np.uint64(Flag.CLAMPED)
+        | offset.not_maximum * np.uint64(Flag.NOT_MAXIMUM)
+        | textured * np.uint64(Flag.TEXTURED)
+    )
+    return (
+        x_fixed.astype(np.uint64)
+        | (y_fixed.astype(np.uint64) << np.uint64(COORDINATE_BITS))
+        | (response.astype(np.uint64) << np.uint64(RESPONSE_SHIFT))
+        | (flags.astype(np.uint64) << np.uint64(FLAG_SHIFT))
+    )
+
+
+def encode_frame_end(end: FrameEnd) -> int:
+    """The record that closes a frame."""
+    frame = end.frame % (1 << FRAME_BITS)
+    return (
+        end.records | (frame << COUNT_BITS) | (end.maximum << RESPONSE_SHIFT) | (int(END_OF_FRAME) << FLAG_SHIFT)
+    )
+
+
+def _fields(words: Records) -> tuple[Records, NDArray[np.uint8]]:
+    words = np.asarray(words, dtype=np.uint64).reshape(-1)
+    flags = (words >> np.uint64(FLAG_SHIFT)).astype(np.uint8)
+    return words, flags
+
+
+def decode(words: Records) -> Corners:
+    """Corners of an array of 64-bit records; end-of-frame records are left out."""
+    words, flags = _fields(words)
+    keep = (flags & END_OF_FRAME) != END_OF_FRAME
+    words, flags = words[keep], flags[keep]
+
+    def field(shift: int, bits: int) -> NDArray[np.int64]:
+        return ((words >> np.uint64(shift)) & np.uint64((1 << bits) - 1)).astype(np.int64)
+
+    return Corners(
+        x=field(0, COORDINATE_BITS) / (1 << OFFSET_BITS),
+        y=field(COORDINATE_BITS, COORDINATE_BITS) / (1 << OFFSET_BITS),
+        response=field(RESPONSE_SHIFT, RESPONSE_FIELD_BITS),
+        flags=flags,
+    )
+
+
+def decode_frame_end(word: int) -> FrameEnd:
+    """Fields of one end-of-frame record; ``ValueError`` if the word is a corner record."""
+    word = int(word)
+    if (word >> FLAG_SHIFT) != END_OF_FRAME:
+        raise ValueError(f"record {word:#018x} is not an end-of-frame record (bits 63:61 must be 0b011)")
+    return FrameEnd(
+        records=word & ((1 << COUNT_BITS) - 1),
+        frame=(word >> COUNT_BITS) & ((1 << FRAME_BITS) - 1),
+        maximum=(word >> RESPONSE_SHIFT) & ((1 << RESPONSE_FIELD_BITS) - 1),
+    )

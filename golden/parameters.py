@@ -1,0 +1,215 @@
+"""What is built and how it is set: one frozen object each, shared by golden model and hardware.
+
+Number formats are derived here and nowhere else, so that the two cannot drift apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal, get_args
+
+Gradient = Literal["absolute", "signed"]
+Ties = Literal["strict", "first"]
+Fit = Literal["nine", "six", "printed"]
+Patches = Literal["regions", "pixels"]
+Buffering = Literal["banked", "lean"]
+Reference = Literal["previous", "constant"]
+
+SUPPORT = 15
+"""Side of the square of pixels that decides one corner: gradient 3, smoothing 5, response window 9."""
+MARGIN = SUPPORT // 2
+"""Pixels at each edge of a frame in which no corner is reported."""
+SMOOTHING_SIZE = 5
+WINDOW_SIZE = 9
+"""Side of the response window that the texture filter reads."""
+
+OFFSET_BITS = 7
+"""Fractional bits of a corner's position: one unit is 1/128 pixel."""
+COORDINATE_BITS = 20
+"""Bits of x and of y in a record, OFFSET_BITS of them fractional."""
+SIGMA_BITS = 16
+"""Fractional bits of sigma1 and sigma2."""
+SIGMA2_INTEGER_BITS = 4
+"""sigma2 reaches 16: tau cannot exceed 8 times the largest response, so 8 and above pass everything."""
+MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
+
+
+def _check_choice(field: str, value: object, allowed: object) -> None:
+    choices = get_args(allowed)
+    if value not in choices:
+        raise ValueError(f"{field} is {value!r}; allowed: {', '.join(choices)}")
+
+
+def _check_integer(field: str, value: object, low: int, high: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+        raise ValueError(f"{field} is {value!r}; allowed: whole numbers from {low} to {high}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameters:
+    """One detector, as it is built. The defaults are the profile ``paper``.
+
+    Parameters
+    ----------
+    pixel_bits
+        Width of a pixel, unsigned, 4 to 10.
+    max_width, max_height
+        Largest frame; the real size is set at run time, from 15x15 up to this.
+    gradient
+        ``"absolute"``: C = |gx|·|gy| as the paper prints it; ``"signed"``: C keeps the sign of gx·gy,
+        without which corners whose edges lie at ±45° have no response.
+    ties
+        ``"strict"``: of two equal neighbouring responses neither is a corner (Eq. 5);
+        ``"first"``: the one that comes first in raster order is.
+    fit
+        Quadratic surface for the subpixel step: least squares over ``"nine"`` samples, the exact
+        surface through the paper's ``"six"``, or the formulas literally as ``"printed"`` (Eqs. 11-13;
+        golden model only, because they cannot recover even an exact paraboloid).
+    patches
+        Fig. 5 of the texture filter: ``"regions"``: patch k is the four 3x3 regions at the corners of
+        the (2k+3)x(2k+3) square; ``"pixels"``: four single diagonal pixels at radius k.
+    buffering
+        ``"banked"``: N+1 block RAMs per N×N window (Sec. 4.1); ``"lean"``: N-1 rows, one row sooner.
+        Changes memory and delay, never a record.
+    sqrt_bits_per_stage
+        Result bits per pipeline stage of the square root, 1 to 17. Hardware only.
+
+    Raises
+    ------
+    ValueError
+        Names the field, its value and what is allowed.
+    """
+
+    pixel_bits: int = 8
+    max_width: int = 1920
+    max_height: int = 1080
+    gradient: Gradient = "absolute"
+    ties: Ties = "strict"
+    fit: Fit = "nine"
+    patches: Patches = "regions"
+    buffering: Buffering = "banked"
+    sqrt_bits_per_stage: int = 1
+
+    def __post_init__(self) -> None:
+        _check_integer("pixel_bits", self.pixel_bits, 4, 10)
+        _check_integer("max_width", self.max_width, SUPPORT, MAX_SIDE)
+        _check_integer("max_height", self.max_height, SUPPORT, MAX_SIDE)
+        _check_integer("sqrt_bits_per_stage", self.sqrt_bits_per_stage, 1, 17)
+        _check_choice("gradient", self.gradient, Gradient)
+        _check_choice("ties", self.ties, Ties)
+        _check_choice("fit", self.fit, Fit)
+        _check_choice("patches", self.patches, Patches)
+        _check_choice("buffering", self.buffering, Buffering)
+
+    @property
+    def pixel_max(self) -> int:
+        return (1 << self.pixel_bits) - 1
+
+    @property
+    def product_bits(self) -> int:
+        """Width of A, B and |C|, before and after smoothing (the kernel sums to 1)."""
+        return 2 * self.pixel_bits
+
+    @property
+    def product_max(self) -> int:
+        return self.pixel_max**2
+
+    @property
+    def response_bits(self) -> int:
+        """Width of D and of the square root, unsigned."""
+        return 2 * self.pixel_bits + 1
+
+    @property
+    def response_max(self) -> int:
+        """Full scale of D: D <= A + B."""
+        return 2 * self.product_max
+
+    @property
+    def radicand_bits(self) -> int:
+        return 2 * self.response_bits
+
+    @property
+    def pixels_per_region(self) -> int:
+        """Pixels in one region of a patch; tau is kept scaled by it, so no divider is needed."""
+        return 9 if self.patches == "regions" else 1
+
+    @property
+    def texture_max(self) -> int:
+        """Largest tau: two patch pairs of four regions."""
+        return 8 * self.pixels_per_region * self.response_max
+
+    @property
+    def texture_bits(self) -> int:
+        return self.texture_max.bit_length()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What can change from frame to frame; the hardware latches it at each start of frame.
+
+    Parameters
+    ----------
+    sigma1
+        Corner threshold, 0 <= sigma1 < 1: a corner has D > T1 = sigma1 · Dref. Rounded to 1/65536.
+    sigma2
+        Texture threshold, 0 <= sigma2 < 16: a corner has tau < T2 = sigma2 · Dref. Rounded to 1/65536.
+    reference
+        Dref: the largest D of the ``"previous"`` frame, or the ``"constant"``. The first frame after
+        reset has no previous one and uses the constant.
+    constant
+        Dref where no previous frame counts, in units of D.
+    floor
+        Dref never falls below it, or a black frame would turn the next one's noise into corners.
+    report_rejected
+        Also report corners that the texture filter rejects, flagged ``TEXTURED``.
+
+    Raises
+    ------
+    ValueError
+        Names the field, its value and what is allowed.
+    """
+
+    sigma1: float = 0.01
+    sigma2: float = 0.2
+    reference: Reference = "previous"
+    constant: int = 8192
+    floor: int = 1024
+    report_rejected: bool = False
+
+    def __post_init__(self) -> None:
+        for field, limit in (("sigma1", 1), ("sigma2", 1 << SIGMA2_INTEGER_BITS)):
+            value = getattr(self, field)
+            if not 0 <= value < limit:
+                raise ValueError(f"{field} is {value!r}; allowed: 0 <= {field} < {limit}")
+        _check_choice("reference", self.reference, Reference)
+        _check_integer("constant", self.constant, 1, 2 * 1023**2)
+        _check_integer("floor", self.floor, 1, 2 * 1023**2)
+
+    def check(self, parameters: Parameters) -> None:
+        """Raise ``ValueError`` if constant or floor exceed the full scale of this detector's D."""
+        for field in ("constant", "floor"):
+            _check_integer(field, getattr(self, field), 1, parameters.response_max)
+
+    @property
+    def sigma1_fixed(self) -> int:
+        """sigma1 in units of 2**-SIGMA_BITS, as the hardware takes it."""
+        return min(round(self.sigma1 * (1 << SIGMA_BITS)), (1 << SIGMA_BITS) - 1)
+
+    @property
+    def sigma2_fixed(self) -> int:
+        """sigma2 in units of 2**-SIGMA_BITS, as the hardware takes it."""
+        limit = 1 << (SIGMA_BITS + SIGMA2_INTEGER_BITS)
+        return min(round(self.sigma2 * (1 << SIGMA_BITS)), limit - 1)
+
+
+PROFILES: dict[str, Parameters] = {
+    "paper": Parameters(),
+    "robust": Parameters(gradient="signed", ties="first", buffering="lean"),
+}
+
+
+def profile(name: str, **changes: Any) -> Parameters:
+    """The named profile with some fields changed; ``ValueError`` if there is no such profile."""
+    if name not in PROFILES:
+        raise ValueError(f"profile is {name!r}; allowed: {', '.join(PROFILES)}")
+    return replace(PROFILES[name], **changes)

@@ -1,0 +1,36 @@
+"""Preprocessing (Sec. 3.1): gradients, and the products A, B, C of which the structure tensor is made."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.parameters import Gradient
+
+Image = NDArray[np.unsignedinteger[Any]]
+"""(height, width), unsigned pixels."""
+IntArray = NDArray[np.signedinteger[Any]]
+
+
+def gradients(image: Image) -> tuple[IntArray, IntArray]:
+    """Signed differences whose absolute values are the paper's gradients.
+
+        gx = I(x-1, y) - I(x+1, y)        gy = I(x, y-1) - I(x, y+1)
+
+    Returns two (height-2, width-2) int16 arrays: the outermost pixels have no gradient.
+    """
+    pixels = image.astype(np.int16)
+    gx = pixels[1:-1, :-2] - pixels[1:-1, 2:]
+    gy = pixels[:-2, 1:-1] - pixels[2:, 1:-1]
+    return gx, gy
+
+
+def products(gx: IntArray, gy: IntArray, gradient: Gradient) -> tuple[IntArray, IntArray, IntArray]:
+    """A = gx², B = gy², C = gx·gy (``"signed"``) or |gx|·|gy| (``"absolute"``), int32."""
+    gx32, gy32 = gx.astype(np.int32), gy.astype(np.int32)
+    cross = gx32 * gy32
+    if gradient == "absolute":
+        np.abs(cross, out=cross)
+    return gx32 * gx32, gy32 * gy32, cross

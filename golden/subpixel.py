@@ -1,0 +1,107 @@
+"""Subpixel refinement (Sec. 3.4): the peak of a quadratic surface fitted to the 3x3 responses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.divider import HALF, divide
+from golden.parameters import Fit
+from golden.preprocessing import IntArray
+
+Int64 = NDArray[np.int64]
+
+
+class Surface(NamedTuple):
+    """f(x, y) = L0 x² + L1 y² + L2 xy + L3 x + L4 y + L5 (Eq. 10), times a positive whole scale; L5 is not needed."""
+
+    l0: Int64
+    l1: Int64
+    l2: Int64
+    l3: Int64
+    l4: Int64
+
+
+@dataclass(frozen=True)
+class Offset:
+    """Peak relative to the centre pixel: dx, dy in 1/128 pixel within ±64, and what became of the fit."""
+
+    dx: Int64
+    dy: Int64
+    clamped: NDArray[np.bool_]
+    not_maximum: NDArray[np.bool_]
+
+
+def fit_nine(s: IntArray) -> Surface:
+    """Least squares over the nine samples (..., 3, 3), times 12. Sums only: x² etc. are -1, 0, 1 on the grid."""
+    s = s.astype(np.int64)
+    left, middle, right = s[..., 0].sum(-1), s[..., 1].sum(-1), s[..., 2].sum(-1)
+    top, centre, bottom = s[..., 0, :].sum(-1), s[..., 1, :].sum(-1), s[..., 2, :].sum(-1)
+    return Surface(
+        l0=2 * (left - 2 * middle + right),
+        l1=2 * (top - 2 * centre + bottom),
+        l2=3 * (s[..., 0, 0] - s[..., 0, 2] - s[..., 2, 0] + s[..., 2, 2]),
+        l3=2 * (right - left),
+        l4=2 * (bottom - top),
+    )
+
+
+def _six_samples(s: IntArray) -> tuple[Int64, ...]:
+    # S0 S3 S5 S7 S2 S6, numbered in raster order (Fig. 7)
+    flat = s.astype(np.int64).reshape(*s.shape[:-2], 9)
+    return tuple(flat[..., k] for k in (0, 3, 5, 7, 2, 6))
+
+
+def fit_six(s: IntArray) -> Surface:
+    """The one surface through the paper's six samples, times 2: the inverse of the true design matrix."""
+    s0, s3, s5, s7, s2, s6 = _six_samples(s)
+    return Surface(
+        l0=s0 - s2 - 2 * s3 + 2 * s5 + 2 * s6 - 2 * s7,
+        l1=s0 - 2 * s3 + s6,
+        l2=s0 - s2 - s3 + s5,
+        l3=s5 - s3,
+        l4=s6 - s2 - s3 + s5,
+    )
+
+
+def fit_printed(s: IntArray) -> Surface:
+    """L = (Vx · Vy) S with the two ``vander`` matrices of Eqs. 11 and 12, times 6: rank 3, no fit at all."""
+    x, y = np.array([-1, -1, 1, 0, 1, -1]), np.array([-1, 0, 0, 1, -1, 1])
+    weights = np.vander(x) @ np.vander(y)
+    samples = np.stack(_six_samples(s), axis=-1)
+    return Surface(*(samples @ weights[k] for k in range(5)))
+
+
+def peak(surface: Surface, printed: bool = False) -> Offset:
+    """Stationary point of the surface (Eq. 13), kept only where it is a maximum, and within half a pixel.
+
+        dx = (2 L1 L3 - L2 L4) / (L2² - 4 L0 L1)
+        dy = (2 L0 L4 - L2 L3) / (L2² - 4 L0 L1)
+
+    ``printed`` keeps the misprint 2 L1 L2 in the first numerator. Where a curvature or the denominator has
+    the wrong sign the offset is (0, 0); beyond half a pixel it is clamped, each axis for itself.
+    """
+    l0, l1, l2, l3, l4 = surface
+    denominator = 4 * l0 * l1 - l2 * l2
+    maximum = (l0 < 0) & (l1 < 0) & (denominator > 0)
+    divisor = np.where(maximum, denominator, 1)
+
+    def quotient(numerator: Int64) -> tuple[Int64, NDArray[np.bool_]]:
+        numerator = np.where(maximum, numerator, 0)
+        magnitude = np.abs(numerator)
+        beyond = 2 * magnitude > divisor
+        result = np.where(beyond, HALF, divide(np.where(beyond, 0, magnitude), divisor))
+        return np.sign(numerator) * result, beyond
+
+    dx, beyond_x = quotient(l2 * l4 - 2 * l1 * (l2 if printed else l3))
+    dy, beyond_y = quotient(l2 * l3 - 2 * l0 * l4)
+    return Offset(dx, dy, beyond_x | beyond_y, ~maximum)
+
+
+def subpixel(patches: IntArray, fit: Fit) -> Offset:
+    """Offset of the peak for (..., 3, 3) response patches, by the chosen fit."""
+    surfaces = {"nine": fit_nine, "six": fit_six, "printed": fit_printed}
+    return peak(surfaces[fit](patches), printed=fit == "printed")

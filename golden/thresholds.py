@@ -1,0 +1,28 @@
+"""Thresholds of one frame: sigma1 and sigma2 times the reference response."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from golden.parameters import SIGMA_BITS, Parameters, Settings
+
+
+class Thresholds(NamedTuple):
+    """T1 in units of D; T2 in units of tau, that is times ``Parameters.pixels_per_region``."""
+
+    t1: int
+    t2: int
+
+
+def choose_reference(settings: Settings, previous_maximum: int | None) -> int:
+    """Dref: the previous frame's largest D, or the constant (also after reset); never below the floor."""
+    if settings.reference == "constant" or previous_maximum is None:
+        return max(settings.constant, settings.floor)
+    return max(previous_maximum, settings.floor)
+
+
+def thresholds(settings: Settings, reference: int, parameters: Parameters) -> Thresholds:
+    """T1 = sigma1 · Dref and T2 = sigma2 · Dref, rounded down."""
+    t1 = (settings.sigma1_fixed * reference) >> SIGMA_BITS
+    t2 = (settings.sigma2_fixed * reference * parameters.pixels_per_region) >> SIGMA_BITS
+    return Thresholds(t1, t2)
