@@ -3,6 +3,7 @@
 from golden.detector import FrameResult, StreamModel, check_image, detect
 from golden.output_constructor import Corners, Flag, FrameEnd, decode, decode_frame_end
 from golden.parameters import PROFILES, Parameters, Settings, profile
+from golden.reference import reference_detect
 
 __all__ = [
     "PROFILES",
@@ -18,4 +19,5 @@ __all__ = [
     "decode_frame_end",
     "detect",
     "profile",
+    "reference_detect",
 ]

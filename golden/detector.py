@@ -30,7 +30,9 @@ def check_image(image: object, parameters: Parameters) -> Image:
         raise TypeError(f"image is a {type(image).__name__}; allowed: a NumPy array")
     dtype = np.dtype(np.uint8 if parameters.pixel_bits <= 8 else np.uint16)
     if image.dtype != dtype:
-        raise TypeError(f"image has dtype {image.dtype}; allowed: {dtype} ({parameters.pixel_bits}-bit pixels)")
+        raise TypeError(
+            f"image has dtype {image.dtype}; allowed: {dtype} ({parameters.pixel_bits}-bit pixels)"
+        )
     if image.ndim != 2:
         raise ValueError(f"image has shape {image.shape}; allowed: (height, width), one channel")
     height, width = image.shape
@@ -59,15 +61,18 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
     return result
 
 
-def frame_records(responses: IntArray, limits: Thresholds, parameters: Parameters, report_rejected: bool) -> Records:
+def frame_records(
+    responses: IntArray, limits: Thresholds, parameters: Parameters, report_rejected: bool
+) -> Records:
     """Records of one frame's corners, in raster order, from its response map."""
     inner = MARGIN - RESPONSE_MARGIN
-    detected = corner_detection(responses, limits.t1, parameters.ties)[inner - 1 : 1 - inner, inner - 1 : 1 - inner]
-    rows, columns = np.nonzero(detected)
+    reportable = responses[inner - 1 : 1 - inner, inner - 1 : 1 - inner]
+    rows, columns = np.nonzero(corner_detection(reportable, limits.t1, parameters.ties))
     windows = sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
     textured = ~texture_filter(windows, limits.t2, parameters.patches)
     if not report_rejected:
-        rows, columns, windows, textured = (array[~textured] for array in (rows, columns, windows, textured))
+        keep = ~textured
+        rows, columns, windows, textured = rows[keep], columns[keep], windows[keep], textured[keep]
     offset = subpixel(windows[:, inner - 1 : inner + 2, inner - 1 : inner + 2], parameters.fit)
     return encode(columns + MARGIN, rows + MARGIN, windows[:, inner, inner], offset, textured)
 
@@ -86,7 +91,7 @@ def detect(
     image
         (height, width) uint8 (uint16 for more than 8 pixel bits), 15x15 up to the built maximum.
     parameters, settings
-        The detector and its thresholds; by default the profile ``paper``.
+        The detector and its thresholds; by default the profile ``paper`` and ``Settings.default``.
     reference
         Dref. By default the constant if the settings say so, else the image's own largest D: what the
         hardware uses from the second frame on while the scene stands still, and OpenCV's ``qualityLevel``.
@@ -96,7 +101,8 @@ def detect(
     TypeError, ValueError
         Wrong dtype, rank or size; constant, floor or reference out of range.
     """
-    parameters, settings = parameters or Parameters(), settings or Settings()
+    parameters = parameters or Parameters()
+    settings = settings or Settings.default(parameters)
     image = check_image(image, parameters)
     settings.check(parameters)
     responses = response_map(image, parameters)
@@ -129,9 +135,11 @@ class StreamModel:
         self._previous_maximum: int | None = None
         self._frame = 0
 
-    def process(self, image: NDArray[np.unsignedinteger[Any]], settings: Settings | None = None) -> FrameResult:
+    def process(
+        self, image: NDArray[np.unsignedinteger[Any]], settings: Settings | None = None
+    ) -> FrameResult:
         """Next frame of the stream; raises what :func:`detect` raises."""
-        settings = settings or Settings()
+        settings = settings or Settings.default(self.parameters)
         image = check_image(image, self.parameters)
         settings.check(self.parameters)
         responses = response_map(image, self.parameters)

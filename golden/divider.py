@@ -14,7 +14,7 @@ from golden.parameters import OFFSET_BITS
 INDEX_BITS = 8
 """Divisor bits below the leading one that address the table."""
 NUMERATOR_BITS = 10
-"""Dividend bits kept, in units of 2**-(NUMERATOR_BITS+1): it is below one half of the normalised divisor's range."""
+"""Dividend bits kept, in units of 2**-(NUMERATOR_BITS+1): normalised like the divisor it is below 1/2."""
 RECIPROCAL_BITS = 10
 """Bits of a table entry, in units of 2**-(RECIPROCAL_BITS-1); the leading one is always set."""
 PRODUCT_SHIFT = NUMERATOR_BITS + 1 + RECIPROCAL_BITS - 1 - OFFSET_BITS

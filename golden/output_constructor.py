@@ -68,14 +68,14 @@ class Corners:
     x, y
         float64 position in pixels, the first pixel's centre at (0, 0), exact multiples of 1/128.
     response
-        int64 corner response D.
+        int64 corner response D (float64 from the float reference, whose x and y are not quantised either).
     flags
         uint8, bits of :class:`Flag`.
     """
 
     x: NDArray[np.float64]
     y: NDArray[np.float64]
-    response: NDArray[np.int64]
+    response: NDArray[np.int64] | NDArray[np.float64]
     flags: NDArray[np.uint8]
 
     def __len__(self) -> int:
@@ -99,7 +99,9 @@ class FrameEnd(NamedTuple):
     maximum: int
 
 
-def encode(x: IntArray, y: IntArray, response: IntArray, offset: Offset, textured: NDArray[np.bool_]) -> Records:
+def encode(
+    x: IntArray, y: IntArray, response: IntArray, offset: Offset, textured: NDArray[np.bool_]
+) -> Records:
     """Records of corners at whole pixels (x, y): X = x + dx, Y = y + dy (Eqs. 14-17; x is added once)."""
     x_fixed = (x.astype(np.int64) << OFFSET_BITS) + offset.dx
     y_fixed = (y.astype(np.int64) << OFFSET_BITS) + offset.dy
@@ -120,7 +122,10 @@ def encode_frame_end(end: FrameEnd) -> int:
     """The record that closes a frame."""
     frame = end.frame % (1 << FRAME_BITS)
     return (
-        end.records | (frame << COUNT_BITS) | (end.maximum << RESPONSE_SHIFT) | (int(END_OF_FRAME) << FLAG_SHIFT)
+        end.records
+        | (frame << COUNT_BITS)
+        | (end.maximum << RESPONSE_SHIFT)
+        | (int(END_OF_FRAME) << FLAG_SHIFT)
     )
 
 

@@ -6,6 +6,7 @@ Number formats are derived here and nowhere else, so that the two cannot drift a
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import Any, Literal, get_args
 
 Gradient = Literal["absolute", "signed"]
@@ -30,7 +31,7 @@ COORDINATE_BITS = 20
 SIGMA_BITS = 16
 """Fractional bits of sigma1 and sigma2."""
 SIGMA2_INTEGER_BITS = 4
-"""sigma2 reaches 16: tau cannot exceed 8 times the largest response, so 8 and above pass everything."""
+"""sigma2 reaches 16: tau cannot exceed 8 times the frame's largest D, so with that as Dref 8 is plenty."""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
 
 
@@ -43,6 +44,12 @@ def _check_choice(field: str, value: object, allowed: object) -> None:
 def _check_integer(field: str, value: object, low: int, high: int) -> None:
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         raise ValueError(f"{field} is {value!r}; allowed: whole numbers from {low} to {high}")
+
+
+def _check_fraction(field: str, value: object, limit: int) -> None:
+    # written so that NaN fails too
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) < limit:
+        raise ValueError(f"{field} is {value!r}; allowed: 0 <= {field} < {limit}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,13 +184,20 @@ class Settings:
     report_rejected: bool = False
 
     def __post_init__(self) -> None:
-        for field, limit in (("sigma1", 1), ("sigma2", 1 << SIGMA2_INTEGER_BITS)):
-            value = getattr(self, field)
-            if not 0 <= value < limit:
-                raise ValueError(f"{field} is {value!r}; allowed: 0 <= {field} < {limit}")
+        _check_fraction("sigma1", self.sigma1, 1)
+        _check_fraction("sigma2", self.sigma2, 1 << SIGMA2_INTEGER_BITS)
         _check_choice("reference", self.reference, Reference)
         _check_integer("constant", self.constant, 1, 2 * 1023**2)
         _check_integer("floor", self.floor, 1, 2 * 1023**2)
+
+    @classmethod
+    def default(cls, parameters: Parameters, **changes: Any) -> Settings:
+        """Settings with ``constant`` and ``floor`` scaled to this detector's D, and ``changes`` applied.
+
+        1/16 and 1/128 of the range of D, which is what the class defaults are for 8-bit pixels.
+        """
+        bits = parameters.response_bits
+        return cls(**{"constant": 1 << (bits - 4), "floor": 1 << (bits - 7), **changes})
 
     def check(self, parameters: Parameters) -> None:
         """Raise ``ValueError`` if constant or floor exceed the full scale of this detector's D."""

@@ -28,8 +28,8 @@ def li_chu(radicand: NDArray[np.int64], result_bits: int) -> NDArray[np.int64]:
 def floor_sqrt(radicand: NDArray[np.float64]) -> NDArray[np.int32]:
     """Floor square root of whole numbers below 2**46, held exactly in float64.
 
-    IEEE 754 rounds the root correctly. The closest it can come to a larger integer k from below is
-    sqrt(k² - 1) = k - 1/(2k), and 1/(2k) > 2**-24 is far more than half a unit in the last place of k < 2**23,
-    so truncation gives the floor.
+    IEEE 754 rounds the root correctly. The closest it can come to an integer k from below is
+    sqrt(k² - 1) = k - 1/(2k), and 1/(2k) >= 2**-24 is far more than half a unit in the last place of
+    k <= 2**23, so truncation gives the floor.
     """
     return np.sqrt(radicand).astype(np.int32)

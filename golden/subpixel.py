@@ -16,7 +16,10 @@ Int64 = NDArray[np.int64]
 
 
 class Surface(NamedTuple):
-    """f(x, y) = L0 x² + L1 y² + L2 xy + L3 x + L4 y + L5 (Eq. 10), times a positive whole scale; L5 is not needed."""
+    """f(x, y) = L0 x² + L1 y² + L2 xy + L3 x + L4 y + L5 (Eq. 10), times a positive whole scale.
+
+    L5 does not move the peak and is left out.
+    """
 
     l0: Int64
     l1: Int64
@@ -36,7 +39,7 @@ class Offset:
 
 
 def fit_nine(s: IntArray) -> Surface:
-    """Least squares over the nine samples (..., 3, 3), times 12. Sums only: x² etc. are -1, 0, 1 on the grid."""
+    """Least squares over the nine samples (..., 3, 3), times 12. Sums only: x, y are -1, 0, 1 on the grid."""
     s = s.astype(np.int64)
     left, middle, right = s[..., 0].sum(-1), s[..., 1].sum(-1), s[..., 2].sum(-1)
     top, centre, bottom = s[..., 0, :].sum(-1), s[..., 1, :].sum(-1), s[..., 2, :].sum(-1)

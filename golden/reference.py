@@ -1,0 +1,170 @@
+"""The whole algorithm once more in plain float64, for reading beside the paper.
+
+Nothing is rounded: no integer square root, no rounding after the kernel, no quantised thresholds, a
+surface fit by linear algebra and no table of reciprocals. Only the decisions (maximum, thresholds, clamp)
+are discrete, as in the paper itself. It shares no arithmetic with the bit-exact blocks, so that each can
+show up the other's mistakes.
+
+Every map has the size of the image and is indexed ``[y, x]``; NaN where the frame's edge leaves it undefined.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from golden.detector import check_image
+from golden.output_constructor import Corners, Flag
+from golden.parameters import MARGIN, Fit, Gradient, Parameters, Patches, Settings, Ties
+
+Map = NDArray[np.float64]
+"""(height, width) float64."""
+
+KERNEL: Map = (
+    np.array(
+        [
+            [8, 16, 16, 16, 8],
+            [16, 32, 32, 32, 16],
+            [16, 32, 32, 32, 16],
+            [16, 32, 32, 32, 16],
+            [8, 16, 16, 16, 8],
+        ]
+    )
+    / 512
+)
+"""Eq. 1, with the misprinted 19/512 read as 16/512."""
+
+GRID_Y, GRID_X = (axis.reshape(-1) - 1 for axis in np.mgrid[:3, :3])
+"""y and x of the samples S0 ... S8 of Fig. 7, relative to the centre S4."""
+SIX = (0, 3, 5, 7, 2, 6)
+"""The samples the paper picks: S0, S3, S5, S7, S2 and S6."""
+
+
+def _undefined(like: NDArray[Any]) -> Map:
+    return np.full(like.shape, np.nan)
+
+
+def gradients(image: NDArray[Any]) -> tuple[Map, Map]:
+    """Gx and Gy of Sec. 3.1 before their absolute value is taken."""
+    pixels = image.astype(np.float64)
+    gx, gy = _undefined(pixels), _undefined(pixels)
+    gx[1:-1, 1:-1] = pixels[1:-1, :-2] - pixels[1:-1, 2:]
+    gy[1:-1, 1:-1] = pixels[:-2, 1:-1] - pixels[2:, 1:-1]
+    return gx, gy
+
+
+def smooth(values: Map) -> Map:
+    """Correlation with Eq. 1, written out in two dimensions."""
+    result = _undefined(values)
+    result[2:-2, 2:-2] = np.einsum("yxvu,vu->yx", sliding_window_view(values, KERNEL.shape), KERNEL)
+    return result
+
+
+def response_map(image: NDArray[Any], gradient: Gradient) -> Map:
+    """D = (A + B) - sqrt((A - B)² + 4C²) (Eq. 2), defined 3 pixels and more from the edge."""
+    gx, gy = gradients(image)
+    if gradient == "absolute":
+        gx, gy = np.abs(gx), np.abs(gy)
+    a, b, c = smooth(gx * gx), smooth(gy * gy), smooth(gx * gy)
+    return (a + b) - np.sqrt((a - b) ** 2 + 4 * c**2)
+
+
+def corner_map(responses: Map, t1: float, ties: Ties) -> NDArray[np.bool_]:
+    """E (Eqs. 3-5): D > T1 and D above its 8 neighbours, wherever the 15x15 support lies in the frame."""
+    corners = np.zeros(responses.shape, dtype=bool)
+    samples = sliding_window_view(responses, (3, 3)).reshape(*(side - 2 for side in responses.shape), 9)
+    centre, earlier, later = samples[..., 4], samples[..., :4].max(axis=-1), samples[..., 5:].max(axis=-1)
+    beats_later = centre > later if ties == "strict" else centre >= later
+    corners[1:-1, 1:-1] = (centre > earlier) & beats_later & (centre > t1)
+    inside = np.zeros_like(corners)
+    inside[MARGIN:-MARGIN, MARGIN:-MARGIN] = True
+    return corners & inside
+
+
+def texturization(responses: Map, x: int, y: int, patches: Patches) -> float:
+    """tau of the corner at (x, y) (Eqs. 6-8): what the three patches of Fig. 5 differ by.
+
+    Patch k is four regions, k pixels away along each diagonal; regions are compared pixel by pixel, and a
+    difference of regions is the mean over their pixels.
+    """
+    reach = 1 if patches == "regions" else 0
+
+    def region(k: int, right: int, down: int) -> Map:
+        column, row = x + k * right, y + k * down
+        return responses[row - reach : row + reach + 1, column - reach : column + reach + 1]
+
+    diagonals = ((-1, -1), (1, -1), (-1, 1), (1, 1))
+    tau12 = sum(np.abs(region(1, *d) - region(2, *d)).mean() for d in diagonals)
+    tau23 = sum(np.abs(region(2, *d) - region(3, *d)).mean() for d in diagonals)
+    return float(tau12 + tau23)
+
+
+def design_matrix(x: NDArray[Any], y: NDArray[Any]) -> Map:
+    """Rows (x², y², xy, x, y, 1): Eq. 10 at each sample."""
+    return np.stack([x * x, y * y, x * y, x, y, np.ones_like(x)], axis=-1).astype(np.float64)
+
+
+def surface(samples: Map, fit: Fit) -> Map:
+    """L0 ... L5 of Eq. 10 for 3x3 samples of D.
+
+    ``"printed"`` is what Eqs. 11 and 12 say, and recovers no surface at all.
+    """
+    flat = samples.reshape(9)
+    six = list(SIX)
+    x, y = GRID_X[six], GRID_Y[six]
+    if fit == "nine":
+        return np.linalg.lstsq(design_matrix(GRID_X, GRID_Y), flat, rcond=None)[0].astype(np.float64)
+    if fit == "six":
+        return np.linalg.solve(design_matrix(x, y), flat[six]).astype(np.float64)
+    return (np.vander(x) @ np.vander(y) / len(SIX)) @ flat[six]
+
+
+def peak(coefficients: Map, printed: bool = False) -> tuple[float, float, Flag]:
+    """(dx, dy) of Eq. 13 and what became of it; ``printed`` keeps its misprint L2 for L3.
+
+    (0, 0) where the surface has no maximum; each axis is clamped to half a pixel.
+    """
+    l0, l1, l2, l3, l4, _ = coefficients
+    denominator = l2**2 - 4 * l0 * l1
+    if not (l0 < 0 and l1 < 0 and denominator < 0):
+        return 0.0, 0.0, Flag.NOT_MAXIMUM
+    dx = (2 * l1 * (l2 if printed else l3) - l2 * l4) / denominator
+    dy = (2 * l0 * l4 - l2 * l3) / denominator
+    flag = Flag.CLAMPED if max(abs(dx), abs(dy)) > 0.5 else Flag(0)
+    return float(np.clip(dx, -0.5, 0.5)), float(np.clip(dy, -0.5, 0.5)), flag
+
+
+def reference_detect(
+    image: NDArray[np.unsignedinteger[Any]],
+    parameters: Parameters | None = None,
+    settings: Settings | None = None,
+    *,
+    reference: float | None = None,
+) -> Corners:
+    """Corners of one image by the unrounded algorithm; arguments as :func:`golden.detect`.
+
+    Positions are not quantised, and ``response`` is float64.
+    """
+    parameters = parameters or Parameters()
+    settings = settings or Settings.default(parameters)
+    image = check_image(image, parameters)
+    settings.check(parameters)
+    responses = response_map(image, parameters.gradient)
+    if reference is None:
+        constant = settings.reference == "constant"
+        reference = max(settings.constant if constant else float(np.nanmax(responses)), settings.floor)
+    t1, t2 = settings.sigma1 * reference, settings.sigma2 * reference
+
+    found: list[tuple[float, float, float, int]] = []
+    for y, x in np.argwhere(corner_map(responses, t1, parameters.ties)).tolist():
+        textured = not texturization(responses, x, y, parameters.patches) < t2
+        if textured and not settings.report_rejected:
+            continue
+        coefficients = surface(responses[y - 1 : y + 2, x - 1 : x + 2], parameters.fit)
+        dx, dy, flag = peak(coefficients, printed=parameters.fit == "printed")
+        found.append((x + dx, y + dy, responses[y, x], flag | (Flag.TEXTURED if textured else Flag(0))))
+    columns = np.array(found, dtype=np.float64).reshape(-1, 4).T
+    return Corners(x=columns[0], y=columns[1], response=columns[2], flags=columns[3].astype(np.uint8))
