@@ -123,13 +123,15 @@ def surface(samples: Map, fit: Fit) -> Map:
 
 
 def peak(coefficients: Map, printed: bool = False) -> tuple[float, float, Flag]:
-    """(dx, dy) of Eq. 13 and what became of it; ``printed`` keeps its misprint L2 for L3.
+    """(dx, dy) of Eq. 13 and what became of it; each axis is clamped to half a pixel.
 
-    (0, 0) where the surface has no maximum; each axis is clamped to half a pixel.
+    (0, 0) where the surface has no maximum. ``printed`` keeps the misprint L2 for L3, and does not ask for a
+    maximum, as the paper does not.
     """
     l0, l1, l2, l3, l4, _ = coefficients
     denominator = l2**2 - 4 * l0 * l1
-    if not (l0 < 0 and l1 < 0 and denominator < 0):
+    usable = denominator != 0 if printed else l0 < 0 and l1 < 0 and denominator < 0
+    if not usable:
         return 0.0, 0.0, Flag.NOT_MAXIMUM
     dx = (2 * l1 * (l2 if printed else l3) - l2 * l4) / denominator
     dy = (2 * l0 * l4 - l2 * l3) / denominator

@@ -84,16 +84,19 @@ def peak(surface: Surface, printed: bool = False) -> Offset:
         dx = (2 L1 L3 - L2 L4) / (L2² - 4 L0 L1)
         dy = (2 L0 L4 - L2 L3) / (L2² - 4 L0 L1)
 
-    ``printed`` keeps the misprint 2 L1 L2 in the first numerator. Where a curvature or the denominator has
-    the wrong sign the offset is (0, 0); beyond half a pixel it is clamped, each axis for itself.
+    Where a curvature or the denominator has the wrong sign the offset is (0, 0); beyond half a pixel it is
+    clamped, each axis for itself.
+
+    ``printed`` keeps the misprint 2 L1 L2 in the first numerator, and, as the paper, does not ask for a
+    maximum: Eqs. 11 and 12 turn nearly every corner into a surface without one. It is clamped all the same.
     """
     l0, l1, l2, l3, l4 = surface
     denominator = 4 * l0 * l1 - l2 * l2
-    maximum = (l0 < 0) & (l1 < 0) & (denominator > 0)
-    divisor = np.where(maximum, denominator, 1)
+    usable = denominator != 0 if printed else (l0 < 0) & (l1 < 0) & (denominator > 0)
+    divisor = np.where(usable, np.abs(denominator), 1)
 
     def quotient(numerator: Int64) -> tuple[Int64, NDArray[np.bool_]]:
-        numerator = np.where(maximum, numerator, 0)
+        numerator = np.where(usable, np.sign(denominator) * numerator, 0)
         magnitude = np.abs(numerator)
         beyond = 2 * magnitude > divisor
         result = np.where(beyond, HALF, divide(np.where(beyond, 0, magnitude), divisor))
@@ -101,7 +104,7 @@ def peak(surface: Surface, printed: bool = False) -> Offset:
 
     dx, beyond_x = quotient(l2 * l4 - 2 * l1 * (l2 if printed else l3))
     dy, beyond_y = quotient(l2 * l3 - 2 * l0 * l4)
-    return Offset(dx, dy, beyond_x | beyond_y, ~maximum)
+    return Offset(dx, dy, beyond_x | beyond_y, ~usable)
 
 
 def subpixel(patches: IntArray, fit: Fit) -> Offset:
