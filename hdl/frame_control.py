@@ -1,0 +1,91 @@
+"""Frame control: marks rows and frames in the stream of pixels, and latches what each frame is processed with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module, Mux, Signal, Value, unsigned
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.parameters import SUPPORT, Parameters
+from hdl.stream import Beat
+from hdl.thresholds import settings_layout
+
+
+class FrameControl(wiring.Component):
+    """Counts pixels into rows and frames.
+
+    Size and settings are sampled with the first pixel of a frame and hold for the whole of it. A width or height
+    out of range is taken as the nearest that is allowed (15, or the built maximum).
+
+    Members
+    -------
+    i
+        Stream of pixels in raster order.
+    width, height
+        Size of the next frame in pixels.
+    next_settings
+        ``settings_layout(parameters)`` for the next frame.
+    o
+        Stream of ``Beat(unsigned(pixel_bits))``.
+    settings
+        Stream of ``settings_layout(parameters)``, one per frame. A first pixel waits until it can be taken.
+    """
+
+    latency = 1
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        pixel = unsigned(parameters.pixel_bits)
+        super().__init__(
+            {
+                "i": In(stream.Signature(pixel)),
+                "width": In(range(parameters.max_width + 1)),
+                "height": In(range(parameters.max_height + 1)),
+                "next_settings": In(settings_layout(parameters)),
+                "o": Out(stream.Signature(Beat(pixel))),
+                "settings": Out(stream.Signature(settings_layout(parameters))),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        first, advance, step = Signal(init=1), Signal(), Signal()
+        m.d.comb += [
+            advance.eq(~self.o.valid | self.o.ready),
+            self.i.ready.eq(advance & (~first | ~self.settings.valid)),
+            step.eq(self.i.valid & self.i.ready),
+        ]
+
+        x, y = Signal(range(self._parameters.max_width)), Signal(range(self._parameters.max_height))
+        last_x, last_y = Signal.like(x), Signal.like(y)
+        eol = ~first & (x == last_x)
+        eof = eol & (y == last_y)
+        with m.If(step):
+            m.d.sync += [first.eq(eof), x.eq(Mux(eol, 0, x + 1))]
+            with m.If(eol):
+                m.d.sync += y.eq(Mux(eof, 0, y + 1))
+            with m.If(first):
+                m.d.sync += [
+                    last_x.eq(_clamped(self.width, self._parameters.max_width) - 1),
+                    last_y.eq(_clamped(self.height, self._parameters.max_height) - 1),
+                    self.settings.payload.eq(self.next_settings),
+                ]
+
+        with m.If(step & first):
+            m.d.sync += self.settings.valid.eq(1)
+        with m.Elif(self.settings.ready):
+            m.d.sync += self.settings.valid.eq(0)
+        with m.If(advance):
+            m.d.sync += [
+                self.o.valid.eq(step),
+                self.o.payload.data.eq(self.i.payload),
+                self.o.payload.eol.eq(eol),
+                self.o.payload.eof.eq(eof),
+            ]
+        return m
+
+
+def _clamped(size: Value, largest: int) -> Value:
+    return Mux(size < SUPPORT, SUPPORT, Mux(size > largest, largest, size))

@@ -1,0 +1,76 @@
+"""Output construction (Sec. 3.5): puts records together, and closes each frame. Format: ``golden.output_constructor``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import C, Cat, Module, Mux, Signal, unsigned
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.output_constructor import COUNT_BITS, END_OF_FRAME, FRAME_BITS, RECORD_BITS, RESPONSE_FIELD_BITS
+from golden.parameters import COORDINATE_BITS, OFFSET_BITS, Parameters
+from hdl.candidate_selection import note_layout
+from hdl.stream import Pipeline, join
+from hdl.subpixel import offset_layout
+
+
+def record_layout() -> data.StructLayout:
+    """A record, and whether it is the frame's last (the end-of-frame record)."""
+    return data.StructLayout({"record": RECORD_BITS, "last": 1})
+
+
+class OutputConstructor(wiring.Component):
+    """Adds each candidate's offset to its place, and counts.
+
+    Members
+    -------
+    note
+        Stream of ``note_layout(parameters)``.
+    offset
+        Stream of ``offset_layout()``, one for each note; ignored for an end.
+    maximum
+        Stream of each frame's largest response, taken at its end.
+    o
+        Stream of ``record_layout()``.
+    """
+
+    latency = 1
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        super().__init__(
+            {
+                "note": In(stream.Signature(note_layout(parameters))),
+                "offset": In(stream.Signature(offset_layout())),
+                "maximum": In(stream.Signature(unsigned(parameters.response_bits))),
+                "o": Out(stream.Signature(record_layout())),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        note, offset = self.note.payload, self.offset.payload
+        both = stream.Signature(0).create(path=("both",))
+        join(m, [self.note, self.offset], both)
+        pipe = Pipeline(m, both, self.o, permit=~note.end | self.maximum.valid)
+        step = pipe.valid & pipe.advance
+
+        count, frame = Signal(COUNT_BITS), Signal(FRAME_BITS)
+        with m.If(step):
+            m.d.sync += count.eq(count + 1)
+            with m.If(note.end):
+                m.d.sync += [count.eq(0), frame.eq(frame + 1)]
+        m.d.comb += self.maximum.ready.eq(step & note.end)
+
+        x = (Cat(C(0, OFFSET_BITS), note.x) + offset.dx)[:COORDINATE_BITS]
+        y = (Cat(C(0, OFFSET_BITS), note.y) + offset.dy)[:COORDINATE_BITS]
+        unused = C(0, RESPONSE_FIELD_BITS - self._parameters.response_bits)
+        corner = Cat(x, y, note.response, unused, offset.clamped, offset.not_maximum, note.textured)
+        end = Cat(count, frame, self.maximum.payload, unused, C(END_OF_FRAME, 3))
+        m.d.comb += [
+            self.o.valid.eq(pipe.register(pipe.valid, "valid", reset=True)),
+            self.o.payload.record.eq(pipe.register(Mux(note.end, end, corner), "record")),
+            self.o.payload.last.eq(pipe.register(note.end, "last")),
+        ]
+        return m

@@ -1,0 +1,183 @@
+"""Small stream parts that every block uses: beats with raster tags, pipelines that stall, forks, skid buffers.
+
+All streams follow Amaranth's ``lib.stream``: valid never depends on ready, and a payload is held until taken.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module, Signal, Value, ValueLike
+from amaranth.hdl import ShapeLike as ShapeLike
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+
+def Beat(shape: ShapeLike) -> data.StructLayout:  # noqa: N802 (a shape constructor, as unsigned() and signed() are)
+    """Layout of one beat of a raster: ``data``, ``eol`` (last of its row), ``eof`` (last of its frame; implies eol)."""
+    return data.StructLayout({"data": shape, "eol": 1, "eof": 1})
+
+
+def Columns(shape: ShapeLike, rows: int) -> data.StructLayout:  # noqa: N802
+    """Layout of one column of a window: ``data[0]`` is the top (oldest) row, ``data[rows-1]`` the newest."""
+    return Beat(data.ArrayLayout(shape, rows))
+
+
+class Pipeline:
+    """The registers of one block, which move together.
+
+    They advance whenever the block's output is free: ``advance = ~o.valid | o.ready``. Beats therefore keep
+    moving, and leave, also when no further input comes; an idle input leaves bubbles between them. Data
+    registers have no reset; only the valid bits do.
+
+    A block computes with ``valid``, which says that a beat is offered at ``i`` and may be taken, and takes it
+    when ``valid & advance``.
+
+    Parameters
+    ----------
+    m
+        The block's module.
+    i, o
+        Its input and output stream. Drives ``i.ready``.
+    permit
+        Extra condition to take an input beat; beats already inside move on regardless.
+    """
+
+    def __init__(self, m: Module, i: Any, o: Any, *, permit: ValueLike = 1) -> None:
+        self._m = m
+        self.advance = Signal()
+        self.valid = Signal(name="offered")
+        m.d.comb += [
+            self.advance.eq(~o.valid | o.ready),
+            self.valid.eq(i.valid & permit),
+            i.ready.eq(self.advance & permit),
+        ]
+
+    def register(
+        self, value: ValueLike, name: str, *, when: ValueLike | None = None, reset: bool = False
+    ) -> Signal:
+        """``value`` one clock later; with ``when``, kept unless that is true."""
+        value = Value.cast(value)
+        register = Signal(value.shape(), name=name, reset_less=not reset)
+        with self._m.If(self.advance if when is None else self.advance & when):
+            self._m.d.sync += register.eq(value)
+        return register
+
+    def delay(self, value: ValueLike, clocks: int, name: str, *, reset: bool = False) -> Value:
+        """``value`` some clocks later."""
+        value = Value.cast(value)
+        for k in range(clocks):
+            value = self.register(value, f"{name}_{k + 1}", reset=reset)
+        return value
+
+    def delay_beats(self, value: ValueLike, beats: int, name: str, valid: ValueLike) -> Value:
+        """``value`` some valid beats earlier: bubbles between the beats do not count."""
+        value = Value.cast(value)
+        for k in range(beats):
+            value = self.register(value, f"{name}_{k + 1}", when=valid)
+        return value
+
+
+class WindowCounter:
+    """Says which columns of a row complete a window ``size`` columns wide: all but the first size-1."""
+
+    def __init__(self, m: Module, size: int, *, step: ValueLike, eol: ValueLike) -> None:
+        seen = Signal(range(size))
+        self.complete = Signal()
+        m.d.comb += self.complete.eq(seen == size - 1)
+        with m.If(step):
+            with m.If(eol):
+                m.d.sync += seen.eq(0)
+            with m.Elif(~self.complete):
+                m.d.sync += seen.eq(seen + 1)
+
+
+class SkidBuffer(wiring.Component):
+    """Two-place buffer that cuts both paths: every output, ``i.ready`` included, comes from a register.
+
+    Full rate, latency 1.
+
+    Members
+    -------
+    i, o
+        Streams of ``shape``.
+    """
+
+    latency = 1
+
+    def __init__(self, shape: ShapeLike) -> None:
+        self._shape = shape
+        super().__init__({"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape))})
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        first, spare = Signal(self._shape, reset_less=True), Signal(self._shape, reset_less=True)
+        first_full, spare_full = Signal(), Signal()
+        m.d.comb += [self.i.ready.eq(~spare_full), self.o.valid.eq(first_full), self.o.payload.eq(first)]
+        with m.If(self.o.ready | ~first_full):
+            # the spare is only ever full behind a full first place, and the input waits while it is
+            m.d.sync += [
+                first_full.eq(spare_full | self.i.valid),
+                spare_full.eq(0),
+            ]
+            with m.If(spare_full):
+                m.d.sync += first.eq(spare)
+            with m.Else():
+                m.d.sync += first.eq(self.i.payload)
+        with m.Elif(self.i.valid & ~spare_full):
+            m.d.sync += [spare.eq(self.i.payload), spare_full.eq(1)]
+        return m
+
+
+class Delay(wiring.Component):
+    """Registers that let one branch of a fork take as long as the other.
+
+    Parameters
+    ----------
+    shape
+        Payload.
+    latency
+        Clocks from input to output beat.
+    """
+
+    def __init__(self, shape: ShapeLike, latency: int) -> None:
+        self._shape = shape
+        self.latency = latency
+        super().__init__({"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape))})
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        pipe = Pipeline(m, self.i, self.o)
+        m.d.comb += [
+            self.o.valid.eq(pipe.delay(self.i.valid, self.latency, "valid", reset=True)),
+            self.o.payload.eq(pipe.delay(self.i.payload, self.latency, "payload")),
+        ]
+        return m
+
+
+def fork(m: Module, source: Any, sinks: list[Any]) -> None:
+    """Give every beat of ``source`` to each of ``sinks`` once, as soon as each can take it.
+
+    Drives the handshakes only; the caller drives the payloads, which may be parts of the source's.
+    """
+    taken = [Signal(name=f"taken_{k}") for k in range(len(sinks))]
+    done = [Signal(name=f"done_{k}") for k in range(len(sinks))]
+    for sink, has, now in zip(sinks, taken, done, strict=True):
+        m.d.comb += [sink.valid.eq(source.valid & ~has), now.eq(has | sink.ready)]
+        m.d.sync += has.eq(source.valid & now & ~source.ready)
+    m.d.comb += source.ready.eq(_all(done))
+
+
+def join(m: Module, sources: list[Any], sink: Any) -> None:
+    """Give ``sink`` one beat for one beat of each of ``sources``; drives the handshakes only."""
+    valid = Signal(name="joined")
+    m.d.comb += [valid.eq(_all([source.valid for source in sources])), sink.valid.eq(valid)]
+    for source in sources:
+        m.d.comb += source.ready.eq(valid & sink.ready)
+
+
+def _all(bits: list[Any]) -> Value:
+    result: Value = Value.cast(bits[0])
+    for bit in bits[1:]:
+        result = result & bit
+    return result

@@ -1,0 +1,156 @@
+"""Thresholds of each frame from the settings and the previous frame's largest response."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Cat, Module, Mux, Signal, unsigned
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.parameters import SIGMA2_INTEGER_BITS, SIGMA_BITS, Parameters
+from hdl.stream import Beat
+
+SIGMA2_BITS = SIGMA_BITS + SIGMA2_INTEGER_BITS
+
+
+def settings_layout(parameters: Parameters) -> data.StructLayout:
+    """What one frame is processed with: ``golden.Settings`` in the hardware's formats."""
+    return data.StructLayout(
+        {
+            "sigma1": SIGMA_BITS,
+            "sigma2": SIGMA2_BITS,
+            "use_constant": 1,
+            "constant": parameters.response_bits,
+            "floor": parameters.response_bits,
+            "report_rejected": 1,
+        }
+    )
+
+
+def thresholds_layout(parameters: Parameters) -> data.StructLayout:
+    """T1 in units of D, T2 in units of tau."""
+    return data.StructLayout(
+        {
+            "t1": parameters.response_bits,
+            "t2": parameters.response_bits + SIGMA2_INTEGER_BITS + (parameters.pixels_per_region - 1).bit_length(),
+            "report_rejected": 1,
+        }
+    )
+
+
+class Thresholds(wiring.Component):
+    """T1 = sigma1 · Dref and T2 = sigma2 · Dref, each rounded down, once per frame.
+
+    Watches the responses on their way from ``i`` to ``o`` for the largest. With a frame's first response it
+    takes that frame's settings and multiplies, one bit of sigma per clock, long before the frame's first window.
+
+    Members
+    -------
+    i, o
+        Stream of ``Beat(unsigned(response_bits))``, passed through in the same clock. A first beat waits for
+        settings, and until the previous frame's thresholds have been taken; a last one until its maximum can be left.
+    settings
+        Stream of ``settings_layout(parameters)``, one per frame.
+    thresholds
+        Stream of ``thresholds_layout(parameters)``, one per frame; take it when the frame is done with.
+    maximum
+        Stream of the largest response, one per frame, after its last beat.
+    """
+
+    latency = 0
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        responses = stream.Signature(Beat(unsigned(parameters.response_bits)))
+        super().__init__(
+            {
+                "i": In(responses),
+                "o": Out(responses),
+                "settings": In(stream.Signature(settings_layout(parameters))),
+                "thresholds": Out(stream.Signature(thresholds_layout(parameters))),
+                "maximum": Out(stream.Signature(unsigned(parameters.response_bits))),
+            }
+        )
+
+    @property
+    def clocks(self) -> int:
+        """Clocks from a frame's first response to its thresholds."""
+        return SIGMA2_BITS + 3
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        bits = self._parameters.response_bits
+        response, eof = self.i.payload.data, self.i.payload.eof
+
+        first = Signal(init=1)
+        start, step, pass_on = Signal(), Signal(), Signal()
+        busy = Signal()
+        m.d.comb += [
+            start.eq(self.settings.valid & ~busy & ~self.thresholds.valid),
+            pass_on.eq((~first | start) & ~(eof & self.maximum.valid)),
+            self.o.payload.eq(self.i.payload),
+            self.o.valid.eq(self.i.valid & pass_on),
+            self.i.ready.eq(self.o.ready & pass_on),
+            step.eq(self.o.valid & self.o.ready),
+            self.settings.ready.eq(step & first),
+        ]
+
+        # largest response so far, and of the previous frame
+        largest, now_largest = Signal(bits), Signal(bits)
+        previous, any_previous = Signal(bits), Signal()
+        m.d.comb += now_largest.eq(Mux(first | (response > largest), response, largest))
+        with m.If(self.maximum.ready):
+            m.d.sync += self.maximum.valid.eq(0)
+        with m.If(step):
+            m.d.sync += [largest.eq(now_largest), first.eq(eof)]
+            with m.If(eof):
+                m.d.sync += [
+                    previous.eq(now_largest),
+                    any_previous.eq(1),
+                    self.maximum.payload.eq(now_largest),
+                    self.maximum.valid.eq(1),
+                ]
+
+        self._multiply(m, start=step & first, busy=busy, previous=previous, any_previous=any_previous)
+        return m
+
+    def _multiply(self, m: Module, *, start: Any, busy: Signal, previous: Signal, any_previous: Signal) -> None:
+        bits = self._parameters.response_bits
+        settings = Signal(settings_layout(self._parameters))
+        scaled_bits = bits + (self._parameters.pixels_per_region - 1).bit_length()
+        reference, scaled = Signal(bits), Signal(scaled_bits)
+        chosen, referred, multiplying = Signal(), Signal(), Signal()
+        count = Signal(range(SIGMA2_BITS))
+        # classic multipliers: the product grows into the register from which sigma is shifted out
+        product1, product2 = Signal(bits + SIGMA2_BITS), Signal(scaled_bits + SIGMA2_BITS)
+        t1, t2 = self.thresholds.payload.t1, self.thresholds.payload.t2
+
+        with m.If(self.thresholds.ready):
+            m.d.sync += self.thresholds.valid.eq(0)
+        m.d.sync += [chosen.eq(start), referred.eq(chosen)]
+        with m.If(start):
+            candidate = Mux(self.settings.payload.use_constant | ~any_previous, self.settings.payload.constant, previous)
+            m.d.sync += [settings.eq(self.settings.payload), reference.eq(candidate), busy.eq(1)]
+        with m.If(chosen & (reference < settings.floor)):
+            m.d.sync += reference.eq(settings.floor)
+        with m.If(referred):
+            m.d.sync += [
+                scaled.eq(reference if self._parameters.pixels_per_region == 1 else (reference << 3) + reference),
+                product1.eq(settings.sigma1),
+                product2.eq(settings.sigma2),
+                count.eq(0),
+                multiplying.eq(1),
+            ]
+        with m.If(multiplying):
+            for product, factor in ((product1, reference), (product2, scaled)):
+                high = product[SIGMA2_BITS:] + Mux(product[0], factor, 0)
+                m.d.sync += product.eq(Cat(product[1:SIGMA2_BITS], high))
+            m.d.sync += count.eq(count + 1)
+            with m.If(count == SIGMA2_BITS - 1):
+                m.d.sync += [multiplying.eq(0), self.thresholds.valid.eq(1), busy.eq(0)]
+        m.d.comb += [
+            t1.eq(product1[SIGMA_BITS:]),
+            t2.eq(product2[SIGMA_BITS:]),
+            self.thresholds.payload.report_rejected.eq(settings.report_rejected),
+        ]
