@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
 from golden.output_constructor import Corners, FrameEnd, Records, decode, encode, encode_frame_end
-from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings
+from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings, check_integer
 from golden.preprocessing import Image, IntArray, gradients, products
 from golden.response import response
 from golden.subpixel import subpixel
@@ -108,8 +108,9 @@ def detect(
     responses = response_map(image, parameters)
     if reference is None:
         reference = choose_reference(settings, int(responses.max()))
-    elif not 0 <= reference <= parameters.response_max:
-        raise ValueError(f"reference is {reference}; allowed: 0 to {parameters.response_max}")
+    else:
+        reference = int(reference) if isinstance(reference, np.integer) else reference
+        check_integer("reference", reference, 0, parameters.response_max)
     limits = thresholds(settings, reference, parameters)
     return decode(frame_records(responses, limits, parameters, settings.report_rejected))
 

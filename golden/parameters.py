@@ -41,7 +41,8 @@ def _check_choice(field: str, value: object, allowed: object) -> None:
         raise ValueError(f"{field} is {value!r}; allowed: {', '.join(choices)}")
 
 
-def _check_integer(field: str, value: object, low: int, high: int) -> None:
+def check_integer(field: str, value: object, low: int, high: int) -> None:
+    """Raise ``ValueError`` naming the field, its value and what is allowed, unless low <= value <= high."""
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         raise ValueError(f"{field} is {value!r}; allowed: whole numbers from {low} to {high}")
 
@@ -98,10 +99,10 @@ class Parameters:
     sqrt_bits_per_stage: int = 1
 
     def __post_init__(self) -> None:
-        _check_integer("pixel_bits", self.pixel_bits, 4, 10)
-        _check_integer("max_width", self.max_width, SUPPORT, MAX_SIDE)
-        _check_integer("max_height", self.max_height, SUPPORT, MAX_SIDE)
-        _check_integer("sqrt_bits_per_stage", self.sqrt_bits_per_stage, 1, 17)
+        check_integer("pixel_bits", self.pixel_bits, 4, 10)
+        check_integer("max_width", self.max_width, SUPPORT, MAX_SIDE)
+        check_integer("max_height", self.max_height, SUPPORT, MAX_SIDE)
+        check_integer("sqrt_bits_per_stage", self.sqrt_bits_per_stage, 1, 17)
         _check_choice("gradient", self.gradient, Gradient)
         _check_choice("ties", self.ties, Ties)
         _check_choice("fit", self.fit, Fit)
@@ -187,8 +188,8 @@ class Settings:
         _check_fraction("sigma1", self.sigma1, 1)
         _check_fraction("sigma2", self.sigma2, 1 << SIGMA2_INTEGER_BITS)
         _check_choice("reference", self.reference, Reference)
-        _check_integer("constant", self.constant, 1, 2 * 1023**2)
-        _check_integer("floor", self.floor, 1, 2 * 1023**2)
+        check_integer("constant", self.constant, 1, 2 * 1023**2)
+        check_integer("floor", self.floor, 1, 2 * 1023**2)
 
     @classmethod
     def default(cls, parameters: Parameters, **changes: Any) -> Settings:
@@ -202,7 +203,7 @@ class Settings:
     def check(self, parameters: Parameters) -> None:
         """Raise ``ValueError`` if constant or floor exceed the full scale of this detector's D."""
         for field in ("constant", "floor"):
-            _check_integer(field, getattr(self, field), 1, parameters.response_max)
+            check_integer(field, getattr(self, field), 1, parameters.response_max)
 
     @property
     def sigma1_fixed(self) -> int:

@@ -8,7 +8,7 @@ from hdl.stream import Pipeline
 
 
 def tree_latency(terms: int) -> int:
-    """Clocks that :func:`add_tree` takes for this many terms: they are added in pairs, a register after each addition."""
+    """Clocks that :func:`add_tree` takes for this many terms: pairs are added, then registered, level by level."""
     return (terms - 1).bit_length()
 
 
@@ -31,7 +31,11 @@ def square(pipe: Pipeline, value: Value, name: str) -> Value:
     """
     terms = []
     for i in range(len(value)):
-        row = Cat(C(0, 2 * i), C(1, 1), C(0, 1), value[i + 1 :]) if i + 1 < len(value) else Cat(C(0, 2 * i), C(1, 1))
+        row = (
+            Cat(C(0, 2 * i), C(1, 1), C(0, 1), value[i + 1 :])
+            if i + 1 < len(value)
+            else Cat(C(0, 2 * i), C(1, 1))
+        )
         terms.append(Mux(value[i], row, 0))
     return add_tree(pipe, terms, name)[: 2 * len(value)]
 

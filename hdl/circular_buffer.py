@@ -56,7 +56,7 @@ class CircularBuffer(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Clocks from a beat to the column that ends in it (lean), or from a row's last beat to its first column (banked)."""
+        """Clocks from a beat to the column that it completes (lean), or from a row's last beat to its first column."""
         return 2 if self._buffering == "lean" else 5
 
     @property
@@ -125,7 +125,9 @@ class CircularBuffer(wiring.Component):
 
         # Read-out of the newest complete row and the N-1 before it. A row that completes meanwhile is pending.
         reading, pending, last_read = Signal(), Signal(), Signal()
-        read_x, read_last, pending_last = (Signal(column_type, name=n) for n in ("read_x", "read_last", "pending_last"))
+        read_x, read_last, pending_last = (
+            Signal(column_type, name=n) for n in ("read_x", "read_last", "pending_last")
+        )
         read_eof, pending_eof = Signal(), Signal()
         read_newest, pending_newest = Signal(bank_type), Signal(bank_type)
 
@@ -202,7 +204,10 @@ class CircularBuffer(wiring.Component):
         column = Signal(width * self._rows, reset_less=True)
         rotated = Array(
             # the row above the newest lies in the bank before it, and so on, all the way round
-            [Cat(values[(bank - age) % banks] for age in reversed(range(self._rows))) for bank in range(banks)]
+            [
+                Cat(values[(bank - age) % banks] for age in reversed(range(self._rows)))
+                for bank in range(banks)
+            ]
         )
         with m.If(advance):
             m.d.sync += column.eq(rotated[newest])

@@ -27,12 +27,15 @@ from hdl.thresholds import Thresholds, settings_layout
 class Detector(wiring.Component):
     """Corners out of a stream of pixels, one pixel per clock, without blanking.
 
-        pixels ─ frame control ─ buffer 3 ─ preprocessing ─ buffer 5 ─┬ convolution A ┬─ response ─ thresholds ─┐
-                                                                      ├ convolution B ┤                         │
-                                                                      └ convolution C ┘                         │
-                ┌───────────────────────────────────────────────────────────────────────────────────────────────┘
-                └ buffer 9 ─┬ delay ─ corner detection ┬─ candidate selection ─┬ subpixel ┬─ output constructor ─ records
-                            └ texture filter ──────────┘                       └ notes ───┘
+        pixels ─ frame control ─ buffer 3 ─ preprocessing ─ buffer 5 ─┬ convolution A ┬─ response ─┐
+                                                                      ├ convolution B ┤            │
+                                                                      └ convolution C ┘            │
+            ┌──────────────────────────────────────────────────────────────────────────────────────┘
+            └ thresholds ─ buffer 9 ─┬ delay ─ corner detection ┬─ candidate selection ─┐
+                                     └ texture filter ──────────┘                       │
+            ┌───────────────────────────────────────────────────────────────────────────┘
+            ├ subpixel ┬─ output constructor ─ records
+            └ notes ───┘
 
     One response buffer serves corner detection, texture filter and subpixel refinement, and only candidates are
     refined; the paper buffers the responses three times and refines every pixel. The records are the same.
@@ -75,7 +78,9 @@ class Detector(wiring.Component):
         self._response_buffer = buffer(response, WINDOW_SIZE)
         self._texture_filter = TextureFilter(p)
         self._corner_detection = CornerDetection(p)
-        self._middle_rows = Delay(Columns(response, 3), self._texture_filter.latency - self._corner_detection.latency)
+        self._middle_rows = Delay(
+            Columns(response, 3), self._texture_filter.latency - self._corner_detection.latency
+        )
         self._candidates = CandidateSelection(p)
         self._subpixel = Subpixel(p)
         self._constructor = OutputConstructor(p)
@@ -116,9 +121,7 @@ class Detector(wiring.Component):
         """Clocks from a frame's last pixel to its end-of-frame record, ``lean`` and unstalled.
 
         A corner on the last possible pixel leaves ``CandidateSelection.END_DELAY`` clocks sooner. With ``banked``
-        buffers each of the three waits for the row to be complete and then reads all of it: the rows that they
-        deliver, width + (width-2) + (width-6) clocks in all less what overlaps, come on top; see
-        :meth:`frame_latency`.
+        buffers the time to read out the last row comes on top, three times: see :meth:`frame_latency`.
         """
         return sum(block.latency for block in self.blocks.values()) + self._candidates.END_DELAY
 

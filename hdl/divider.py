@@ -23,7 +23,7 @@ from hdl.stream import Pipeline
 
 
 class Divider(wiring.Component):
-    """numerator / denominator in units of 1/128, clamped to one half; off by at most ``golden.divider.worst_error()``.
+    """numerator / denominator in units of 1/128, at most one half; error bound: ``golden.divider.worst_error()``.
 
     Numerator and denominator are shifted up together until the denominator's leading one is at the top; its next
     8 bits look up the reciprocal. As the shift goes on by halving distances, fewer and fewer low bits can still
@@ -82,7 +82,10 @@ class Divider(wiring.Component):
             reach -= distance
             empty = denominator[-distance:] == 0
             denominator, numerator = (
-                pipe.register(_top(Mux(empty, value << distance, value)[: len(value)], keep + reach), f"{name}_{distance}")
+                pipe.register(
+                    _top(Mux(empty, value << distance, value)[: len(value)], keep + reach),
+                    f"{name}_{distance}",
+                )
                 for value, keep, name in (
                     (denominator, keep_denominator, "denominator"),
                     (numerator, keep_numerator, "numerator"),

@@ -1,4 +1,4 @@
-"""Output construction (Sec. 3.5): puts records together, and closes each frame. Format: ``golden.output_constructor``."""
+"""Output construction (Sec. 3.5): puts records (see ``golden.output_constructor``) together and closes each frame."""
 
 from __future__ import annotations
 

@@ -39,7 +39,9 @@ class _Radicand(wiring.Component):
         difference = pipe.register(a - b, "difference")
         cross = pipe.register(c, "cross")
         distance = pipe.register(abs(difference)[: self._bits], "distance")
-        cross_size = pipe.register((abs(cross) if Shape.cast(c.shape()).signed else cross)[: self._bits], "cross_size")
+        cross_size = pipe.register(
+            (abs(cross) if Shape.cast(c.shape()).signed else cross)[: self._bits], "cross_size"
+        )
         squares = square(pipe, distance, "distance_square"), square(pipe, cross_size, "cross_square")
         tags = Cat(self.i.payload.eol, self.i.payload.eof)
         m.d.comb += [

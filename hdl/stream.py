@@ -13,12 +13,12 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 
-def Beat(shape: ShapeLike) -> data.StructLayout:  # noqa: N802 (a shape constructor, as unsigned() and signed() are)
+def Beat(shape: ShapeLike) -> data.StructLayout:
     """Layout of one beat of a raster: ``data``, ``eol`` (last of its row), ``eof`` (last of its frame; implies eol)."""
     return data.StructLayout({"data": shape, "eol": 1, "eof": 1})
 
 
-def Columns(shape: ShapeLike, rows: int) -> data.StructLayout:  # noqa: N802
+def Columns(shape: ShapeLike, rows: int) -> data.StructLayout:
     """Layout of one column of a window: ``data[0]`` is the top (oldest) row, ``data[rows-1]`` the newest."""
     return Beat(data.ArrayLayout(shape, rows))
 

@@ -145,7 +145,9 @@ class Subpixel(wiring.Component):
         self._fit = FITS[parameters.fit]
         full = parameters.response_max
         self._bits = Surface(*((k * full).bit_length() for k in self._fit.largest))
-        self._divider = Divider(self._quotient_bits(full), data.StructLayout({"second": 1, "negative": 1, "peak": 1}))
+        self._divider = Divider(
+            self._quotient_bits(full), data.StructLayout({"second": 1, "negative": 1, "peak": 1})
+        )
         super().__init__(
             {
                 "i": In(stream.Signature(patch_layout(parameters))),
@@ -258,7 +260,9 @@ class Subpixel(wiring.Component):
         aside = divider.o.payload.aside
         is_second = pipe.valid & aside.second
         quotient = divider.o.payload.quotient
-        offset = pipe.register(Mux(aside.negative, -quotient, quotient)[: OFFSET_BITS + 1], "offset", when=pipe.valid)
+        offset = pipe.register(
+            Mux(aside.negative, -quotient, quotient)[: OFFSET_BITS + 1], "offset", when=pipe.valid
+        )
         clamped = pipe.register(divider.o.payload.clamped, "clamped", when=pipe.valid)
         dx = pipe.register(offset, "dx", when=is_second)
         first_clamped = pipe.register(clamped, "first_clamped", when=is_second)

@@ -64,7 +64,9 @@ class TextureFilter(wiring.Component):
             beat.append(pipe.register(beat[-1], f"beat_{k + 1}", reset=True))
 
         falling, rising = self._differences(pipe)
-        groups = self._groups(pipe, self._boxes(pipe, falling, "falling"), self._boxes(pipe, rising, "rising"))
+        groups = self._groups(
+            pipe, self._boxes(pipe, falling, "falling"), self._boxes(pipe, rising, "rising")
+        )
         tau = self._along_row(pipe, groups, beat[5], beat[6])
 
         textured = pipe.register(tau >= self.thresholds.payload.t2, "textured")
@@ -81,7 +83,9 @@ class TextureFilter(wiring.Component):
         """Clocks 1 and 2: falling at the newest column, rising at the one before it, by row."""
         newest = self.i.payload.data
         rows = range(1, WINDOW_SIZE)
-        earlier = [pipe.register(newest[row], f"earlier_{row}", when=pipe.valid) for row in range(WINDOW_SIZE)]
+        earlier = [
+            pipe.register(newest[row], f"earlier_{row}", when=pipe.valid) for row in range(WINDOW_SIZE)
+        ]
         falling, rising = {}, {}
         for row in rows:
             fall = pipe.register(newest[row] - earlier[row - 1], f"fall_{row}")
@@ -93,7 +97,9 @@ class TextureFilter(wiring.Component):
     def _boxes(self, pipe: Pipeline, rows: dict[int, Value], name: str) -> dict[int, Value]:
         """Clocks 3 and 4: sums of three rows, by their middle row relative to the centre: -2, -1, 2, 3."""
         if self._parameters.patches == "pixels":
-            return {k: pipe.delay(rows[_CENTRE + k], 2, f"{name}_{_CENTRE + k}_alone") for k in (-2, -1, 2, 3)}
+            return {
+                k: pipe.delay(rows[_CENTRE + k], 2, f"{name}_{_CENTRE + k}_alone") for k in (-2, -1, 2, 3)
+            }
         result = {}
         # both boxes of a side share two rows
         for low in (-2, 2):

@@ -33,7 +33,9 @@ def thresholds_layout(parameters: Parameters) -> data.StructLayout:
     return data.StructLayout(
         {
             "t1": parameters.response_bits,
-            "t2": parameters.response_bits + SIGMA2_INTEGER_BITS + (parameters.pixels_per_region - 1).bit_length(),
+            "t2": parameters.response_bits
+            + SIGMA2_INTEGER_BITS
+            + (parameters.pixels_per_region - 1).bit_length(),
             "report_rejected": 1,
         }
     )
@@ -49,7 +51,7 @@ class Thresholds(wiring.Component):
     -------
     i, o
         Stream of ``Beat(unsigned(response_bits))``, passed through in the same clock. A first beat waits for
-        settings, and until the previous frame's thresholds have been taken; a last one until its maximum can be left.
+        settings, and until the previous frame's thresholds have been taken; a last one, until its maximum can be.
     settings
         Stream of ``settings_layout(parameters)``, one per frame.
     thresholds
@@ -115,7 +117,9 @@ class Thresholds(wiring.Component):
         self._multiply(m, start=step & first, busy=busy, previous=previous, any_previous=any_previous)
         return m
 
-    def _multiply(self, m: Module, *, start: Any, busy: Signal, previous: Signal, any_previous: Signal) -> None:
+    def _multiply(
+        self, m: Module, *, start: Any, busy: Signal, previous: Signal, any_previous: Signal
+    ) -> None:
         bits = self._parameters.response_bits
         settings = Signal(settings_layout(self._parameters))
         scaled_bits = bits + (self._parameters.pixels_per_region - 1).bit_length()
@@ -130,13 +134,17 @@ class Thresholds(wiring.Component):
             m.d.sync += self.thresholds.valid.eq(0)
         m.d.sync += [chosen.eq(start), referred.eq(chosen)]
         with m.If(start):
-            candidate = Mux(self.settings.payload.use_constant | ~any_previous, self.settings.payload.constant, previous)
+            candidate = Mux(
+                self.settings.payload.use_constant | ~any_previous, self.settings.payload.constant, previous
+            )
             m.d.sync += [settings.eq(self.settings.payload), reference.eq(candidate), busy.eq(1)]
         with m.If(chosen & (reference < settings.floor)):
             m.d.sync += reference.eq(settings.floor)
         with m.If(referred):
             m.d.sync += [
-                scaled.eq(reference if self._parameters.pixels_per_region == 1 else (reference << 3) + reference),
+                scaled.eq(
+                    reference if self._parameters.pixels_per_region == 1 else (reference << 3) + reference
+                ),
                 product1.eq(settings.sigma1),
                 product2.eq(settings.sigma2),
                 count.eq(0),
