@@ -1,1 +1,46 @@
 """Runs the hardware against the golden model: engines behind one interface, a frame driver, a comparison."""
+
+from sim.compiler import CompilationError, CompilerNotFoundError
+from sim.engine import (
+    Engine,
+    EngineName,
+    Progress,
+    SimulationError,
+    SimulationHang,
+    StreamError,
+    make_engine,
+)
+from sim.frames import (
+    FrameResult,
+    Mismatch,
+    SimulationResult,
+    compare,
+    describe_record,
+    frame_stimulus,
+    simulate_frames,
+    summarize,
+)
+from sim.stimulus import Capture, Stalls, Stimulus
+
+__all__ = [
+    "Capture",
+    "CompilationError",
+    "CompilerNotFoundError",
+    "Engine",
+    "EngineName",
+    "FrameResult",
+    "Mismatch",
+    "Progress",
+    "SimulationError",
+    "SimulationHang",
+    "SimulationResult",
+    "Stalls",
+    "Stimulus",
+    "StreamError",
+    "compare",
+    "describe_record",
+    "frame_stimulus",
+    "make_engine",
+    "simulate_frames",
+    "summarize",
+]

@@ -1,0 +1,243 @@
+"""Drives a detector frame by frame, and compares its records with the golden model's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden import Parameters, Settings, check_image, decode, decode_frame_end
+from golden.output_constructor import END_OF_FRAME, FLAG_SHIFT, Flag
+from sim.engine import VCD_CLOCKS, Engine, Progress
+from sim.stimulus import Capture, Clocks, Stalls, Stimulus, Words
+
+Frame = tuple[NDArray[Any], Settings]
+"""An image and what to process it with."""
+
+_DRAIN_ROWS = 4
+_DRAIN_CLOCKS = 400
+"""A frame's last records leave within three rows and the depth of the pipeline, without any further input."""
+
+
+@dataclass(frozen=True)
+class FrameResult:
+    """One frame of a simulation.
+
+    Parameters
+    ----------
+    records
+        The 64-bit words of the frame, the end-of-frame record included, shape (n,).
+    clocks
+        From this frame's first pixel to the next one's; for the last frame, to its last pixel, which is
+        included. Without stalls and waiting this is the number of pixels.
+    first_pixel, last_pixel
+        Clocks in which these were accepted.
+    end_of_frame
+        Clock in which the end-of-frame record was taken.
+    """
+
+    records: Words
+    clocks: int
+    first_pixel: int
+    last_pixel: int
+    end_of_frame: int
+
+
+@dataclass(frozen=True)
+class SimulationResult:
+    """All frames of a simulation.
+
+    Parameters
+    ----------
+    frames
+        Frames that have ended, in order.
+    leftover
+        Records after the last end of a frame, or with an end that no frame of pixels belongs to: always
+        a mismatch.
+    clocks, seconds
+        Of the whole run.
+    """
+
+    frames: list[FrameResult]
+    leftover: Words
+    clocks: int
+    seconds: float
+
+    @property
+    def clocks_per_second(self) -> float:
+        return self.clocks / self.seconds if self.seconds > 0 else 0.0
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """One record that is not as expected; None where there is none at all. ``str()`` describes it."""
+
+    frame: int
+    index: int
+    expected: int | None
+    got: int | None
+
+    def __str__(self) -> str:
+        return (
+            f"frame {self.frame}, record {self.index}: "
+            f"expected {describe_record(self.expected)}, got {describe_record(self.got)}"
+        )
+
+
+def describe_record(word: int | None) -> str:
+    """A record in words."""
+    if word is None:
+        return "nothing"
+    if Flag(word >> FLAG_SHIFT) & END_OF_FRAME == END_OF_FRAME:
+        try:
+            end = decode_frame_end(word)
+        except ValueError:
+            return f"a malformed record {word:#018x}"
+        return f"end of frame {end.frame} ({end.records} records, largest D {end.maximum})"
+    corners = decode(np.array([word], np.uint64))
+    flags = Flag(int(corners.flags[0]))
+    names = f" {flags.name}" if flags else ""
+    return f"({corners.x[0]:.4f}, {corners.y[0]:.4f}) D={corners.response[0]}{names}"
+
+
+def _levels(frame: Frame) -> dict[str, int]:
+    image, settings = frame
+    return {
+        "width": image.shape[1],
+        "height": image.shape[0],
+        "sigma1": settings.sigma1_fixed,
+        "sigma2": settings.sigma2_fixed,
+        "use_constant": int(settings.reference == "constant"),
+        "constant": settings.constant,
+        "floor": settings.floor,
+        "report_rejected": int(settings.report_rejected),
+    }
+
+
+def frame_stimulus(frames: Sequence[Frame], parameters: Parameters, stalls: Stalls) -> Stimulus:
+    """Pixels of all frames back to back; each frame's settings arrive with its first pixel.
+
+    Raises
+    ------
+    ValueError, TypeError
+        No frame, an image or settings that do not fit ``parameters``.
+    """
+    if not frames:
+        raise ValueError("there are 0 frames; allowed: from 1")
+    for image, settings in frames:
+        check_image(image, parameters)
+        settings.check(parameters)
+    starts = np.cumsum([0] + [image.size for image, _ in frames])
+    pixels = np.concatenate([np.ravel(image) for image, _ in frames]).astype(np.uint64)
+    levels = [(int(start), _levels(frame)) for start, frame in zip(starts, frames, strict=False)]
+    return Stimulus({"i": pixels}, levels, stalls)
+
+
+def split_frames(capture: Capture, sizes: Sequence[int]) -> SimulationResult:
+    """Sort what came out of a detector into frames of ``sizes`` pixels each."""
+    words, last = capture.outputs["o"].T
+    accepted: Clocks = capture.input_clocks["i"]
+    ends = np.flatnonzero(last)[: len(sizes)]
+    starts = np.concatenate([[0], ends + 1]).astype(int)
+    first = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+    frames = []
+    for k, end in enumerate(ends):
+        first_pixel, last_pixel = int(accepted[first[k]]), int(accepted[first[k + 1] - 1])
+        until = int(accepted[first[k + 1]]) if k + 1 < len(sizes) else last_pixel + 1
+        frames.append(
+            FrameResult(
+                records=words[starts[k] : end + 1].copy(),
+                clocks=until - first_pixel,
+                first_pixel=first_pixel,
+                last_pixel=last_pixel,
+                end_of_frame=int(capture.output_clocks["o"][end]),
+            )
+        )
+    return SimulationResult(frames, words[starts[-1] :].copy(), capture.clocks, capture.seconds)
+
+
+def simulate_frames(
+    engine: Engine,
+    frames: Sequence[Frame],
+    parameters: Parameters,
+    *,
+    stalls: Stalls | None = None,
+    progress: Progress | None = None,
+    vcd: str | Path | None = None,
+    vcd_clocks: int = VCD_CLOCKS,
+    max_clocks: int | None = None,
+) -> SimulationResult:
+    """Stream frames back to back through a detector.
+
+    Parameters
+    ----------
+    engine
+        Made from a ``hdl.detector.Detector`` with the same ``parameters``.
+    frames
+        Images, shape (height, width), and their settings.
+    parameters
+        What the detector was built with.
+    stalls, progress, vcd, vcd_clocks, max_clocks
+        See :meth:`sim.engine.Engine.run`; progress counts pixels.
+
+    Raises
+    ------
+    sim.engine.SimulationHang, sim.engine.StreamError
+        See :meth:`sim.engine.Engine.run`.
+    ValueError, TypeError
+        No frame, an image or settings that do not fit ``parameters``.
+    """
+    stimulus = frame_stimulus(frames, parameters, stalls or Stalls())
+    quiet = _DRAIN_ROWS * max(image.shape[1] for image, _ in frames) + _DRAIN_CLOCKS
+    capture = engine.run(stimulus, progress, vcd, vcd_clocks=vcd_clocks, quiet=quiet, max_clocks=max_clocks)
+    return split_frames(capture, [image.size for image, _ in frames])
+
+
+def _compare_words(frame: int, expected: Words, got: Words) -> list[Mismatch]:
+    common = min(len(expected), len(got))
+    different = np.flatnonzero(expected[:common] != got[:common])
+    mismatches = [Mismatch(frame, int(k), int(expected[k]), int(got[k])) for k in different]
+    mismatches += [Mismatch(frame, k, int(expected[k]), None) for k in range(common, len(expected))]
+    mismatches += [Mismatch(frame, k, None, int(got[k])) for k in range(common, len(got))]
+    return mismatches
+
+
+def compare(result: SimulationResult, expected: Sequence[NDArray[np.uint64]]) -> list[Mismatch]:
+    """All records that differ, frame by frame and position by position; empty if the simulation is right.
+
+    Parameters
+    ----------
+    expected
+        Per frame, the words of ``golden.StreamModel.process(...).records``, end-of-frame record included.
+    """
+    nothing = np.zeros(0, np.uint64)
+    got = [frame.records for frame in result.frames]
+    if len(result.leftover):
+        got.append(result.leftover)
+    count = max(len(expected), len(got))
+    pairs = zip(
+        [*expected, *[nothing] * (count - len(expected))],
+        [*got, *[nothing] * (count - len(got))],
+        strict=True,
+    )
+    return [
+        mismatch for frame, (want, have) in enumerate(pairs) for mismatch in _compare_words(frame, want, have)
+    ]
+
+
+def summarize(mismatches: Sequence[Mismatch], limit: int = 5) -> str:
+    """One line of counts and one for each of the first ``limit`` mismatches; empty if there are none."""
+    if not mismatches:
+        return ""
+    missing = sum(mismatch.got is None for mismatch in mismatches)
+    surplus = sum(mismatch.expected is None for mismatch in mismatches)
+    wrong = len(mismatches) - missing - surplus
+    lines = [f"{len(mismatches)} mismatches: {wrong} wrong, {missing} missing, {surplus} surplus"]
+    lines += [str(mismatch) for mismatch in mismatches[:limit]]
+    if len(mismatches) > limit:
+        lines.append(f"and {len(mismatches) - limit} more")
+    return "\n".join(lines)
