@@ -1,0 +1,32 @@
+"""What all tests share: photographs, and how hypothesis runs.
+
+Examples are the same in every run, so that a failure can be repeated; ``HYPOTHESIS_PROFILE=explore`` draws
+new ones.
+"""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from hypothesis import settings
+from numpy.typing import NDArray
+
+from tests.photographs import PHOTOGRAPHS, photograph
+
+settings.register_profile("repeatable", deadline=None, derandomize=True)
+settings.register_profile("explore", deadline=None, max_examples=1000)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+
+
+@pytest.fixture(params=PHOTOGRAPHS, name="photo")
+def _photo(request: pytest.FixtureRequest) -> NDArray[np.uint8]:
+    """Each photograph in turn, (height, width) uint8."""
+    return photograph(request.param)
+
+
+@pytest.fixture
+def camera() -> NDArray[np.uint8]:
+    """The one photograph for tests that need no more, (512, 512) uint8."""
+    return photograph("camera")

@@ -1,0 +1,172 @@
+"""Every field refuses what it cannot be, and says what it can."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import FrozenInstanceError
+from typing import Any
+
+import numpy as np
+import pytest
+
+from golden.parameters import MAX_SIDE, PROFILES, Parameters, Settings, profile
+
+RANGES = {
+    "pixel_bits": (4, 10),
+    "max_width": (15, 8192),
+    "max_height": (15, 8192),
+    "sqrt_bits_per_stage": (1, 17),
+}
+CHOICES = {
+    "gradient": ("absolute", "signed"),
+    "ties": ("strict", "first"),
+    "fit": ("nine", "six", "printed"),
+    "patches": ("regions", "pixels"),
+    "buffering": ("banked", "lean"),
+}
+
+
+def refusal(cls: type, **fields: Any) -> str:
+    with pytest.raises(ValueError) as caught:
+        cls(**fields)
+    message = str(caught.value)
+    assert "\n" not in message
+    return message
+
+
+@pytest.mark.parametrize("field", RANGES)
+def test_whole_numbers_of_parameters(field: str) -> None:
+    low, high = RANGES[field]
+    for value in (low, high):
+        assert getattr(Parameters(**{field: value}), field) == value
+    for value in (low - 1, high + 1, float(low), "8", None, True):
+        message = refusal(Parameters, **{field: value})
+        assert message == f"{field} is {value!r}; allowed: whole numbers from {low} to {high}"
+
+
+@pytest.mark.parametrize("field", CHOICES)
+def test_choices_of_parameters(field: str) -> None:
+    for value in CHOICES[field]:
+        assert getattr(Parameters(**{field: value}), field) == value
+    for value in ("other", "", None, 1, CHOICES[field][0].upper()):
+        message = refusal(Parameters, **{field: value})
+        assert message == f"{field} is {value!r}; allowed: {', '.join(CHOICES[field])}"
+
+
+@pytest.mark.parametrize(("field", "limit"), [("sigma1", 1), ("sigma2", 16)])
+def test_sigmas(field: str, limit: int) -> None:
+    for value in (0, 0.0, limit / 2, math.nextafter(limit, 0), np.float64(0.25)):
+        assert getattr(Settings(**{field: value}), field) == value
+    for value in (-1e-9, limit, limit + 1.5, math.nan, math.inf, -math.inf, "0.1", None, True, 1j):
+        assert refusal(Settings, **{field: value}) == f"{field} is {value!r}; allowed: 0 <= {field} < {limit}"
+
+
+@pytest.mark.parametrize("field", ["constant", "floor"])
+def test_whole_numbers_of_settings(field: str) -> None:
+    for value in (1, 2093058):
+        assert getattr(Settings(**{field: value}), field) == value
+    for value in (0, 2093059, 1.0, None, False):
+        message = refusal(Settings, **{field: value})
+        assert message == f"{field} is {value!r}; allowed: whole numbers from 1 to 2093058"
+
+
+def test_reference() -> None:
+    for value in ("previous", "constant"):
+        assert Settings(reference=value).reference == value  # type: ignore[arg-type]
+    assert refusal(Settings, reference="next") == "reference is 'next'; allowed: previous, constant"
+
+
+@pytest.mark.parametrize("field", ["constant", "floor"])
+def test_settings_are_checked_against_the_detector(field: str) -> None:
+    other = {"constant": "floor", "floor": "constant"}[field]
+    for pixel_bits, limit in ((4, 450), (8, 130050), (10, 2093058)):
+        parameters = Parameters(pixel_bits=pixel_bits)
+        Settings(**{field: limit, other: 1}).check(parameters)
+        if limit < 2093058:
+            with pytest.raises(ValueError, match=f"^{field} is {limit + 1}; allowed: .* 1 to {limit}$"):
+                Settings(**{field: limit + 1, other: 1}).check(parameters)
+
+
+def test_default_settings_fit_every_detector() -> None:
+    assert Settings.default(Parameters()) == Settings()
+    for pixel_bits in range(4, 11):
+        parameters = Parameters(pixel_bits=pixel_bits)
+        Settings.default(parameters).check(parameters)
+    four = Settings.default(Parameters(pixel_bits=4), sigma1=0.5, floor=3)
+    assert (four.constant, four.floor, four.sigma1, four.sigma2) == (32, 3, 0.5, 0.2)
+
+
+@pytest.mark.parametrize(
+    ("sigma", "fixed"),
+    [(0, 0), (0.5, 32768), (0.1, 6554), (1 / 131072, 0), (3 / 131072, 2), (0.9999999, 65535)],
+)
+def test_sigma1_in_fixed_point(sigma: float, fixed: int) -> None:
+    assert Settings(sigma1=sigma).sigma1_fixed == fixed
+
+
+@pytest.mark.parametrize(
+    ("sigma", "fixed"), [(0, 0), (0.2, 13107), (1, 65536), (15.5, 1015808), (15.9999999, 1048575)]
+)
+def test_sigma2_in_fixed_point(sigma: float, fixed: int) -> None:
+    assert Settings(sigma2=sigma).sigma2_fixed == fixed
+
+
+@pytest.mark.parametrize(
+    (
+        "pixel_bits",
+        "pixel_max",
+        "product_bits",
+        "product_max",
+        "response_bits",
+        "response_max",
+        "radicand_bits",
+    ),
+    [
+        (4, 15, 8, 225, 9, 450, 18),
+        (8, 255, 16, 65025, 17, 130050, 34),
+        (10, 1023, 20, 1046529, 21, 2093058, 42),
+    ],
+)
+def test_number_formats_by_hand(
+    pixel_bits: int,
+    pixel_max: int,
+    product_bits: int,
+    product_max: int,
+    response_bits: int,
+    response_max: int,
+    radicand_bits: int,
+) -> None:
+    parameters = Parameters(pixel_bits=pixel_bits)
+    assert (parameters.pixel_max, parameters.product_bits) == (pixel_max, product_bits)
+    assert (parameters.product_max, parameters.response_bits) == (product_max, response_bits)
+    assert (parameters.response_max, parameters.radicand_bits) == (response_max, radicand_bits)
+
+
+def test_texture_formats_by_hand() -> None:
+    regions, pixels = Parameters(), Parameters(patches="pixels")
+    assert (regions.pixels_per_region, regions.texture_max, regions.texture_bits) == (9, 72 * 130050, 24)
+    assert (pixels.pixels_per_region, pixels.texture_max, pixels.texture_bits) == (1, 8 * 130050, 20)
+
+
+def test_largest_side_fits_a_record() -> None:
+    assert MAX_SIDE == 8192
+
+
+def test_profiles() -> None:
+    assert PROFILES["paper"] == Parameters()
+    robust = profile("robust")
+    assert (robust.gradient, robust.ties, robust.buffering, robust.fit) == ("signed", "first", "lean", "nine")
+    assert profile("robust", fit="six", max_width=640) == Parameters(
+        gradient="signed", ties="first", buffering="lean", fit="six", max_width=640
+    )
+    with pytest.raises(ValueError, match=r"^profile is 'fast'; allowed: paper, robust$"):
+        profile("fast")
+    with pytest.raises(ValueError, match=r"^fit is 'ten'; allowed: nine, six, printed$"):
+        profile("paper", fit="ten")
+
+
+def test_frozen() -> None:
+    with pytest.raises(FrozenInstanceError):
+        Parameters().fit = "six"  # type: ignore[misc]
+    with pytest.raises(FrozenInstanceError):
+        Settings().sigma1 = 0.5  # type: ignore[misc]

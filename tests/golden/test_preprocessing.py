@@ -1,0 +1,64 @@
+"""Gradients and products, by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from golden.parameters import Gradient
+from golden.preprocessing import gradients, products
+
+
+def test_vertical_step_has_gx_on_both_sides_of_the_edge() -> None:
+    image = np.full((5, 8), 10, np.uint8)
+    image[:, 4:] = 50
+    gx, gy = gradients(image)
+    # columns 1 to 6 of the image: the step lies between columns 3 and 4, I(x-1) - I(x+1) = 10 - 50
+    assert gx.tolist() == [[0, 0, -40, -40, 0, 0]] * 3
+    assert not gy.any()
+
+
+def test_horizontal_step_has_gy_on_both_sides_of_the_edge() -> None:
+    image = np.full((6, 5), 90, np.uint8)
+    image[3:] = 20
+    gx, gy = gradients(image)
+    assert gy.tolist() == [[0] * 3, [70] * 3, [70] * 3, [0] * 3]
+    assert not gx.any()
+
+
+def test_ramp_has_the_same_gradient_everywhere() -> None:
+    y, x = np.mgrid[:7, :9]
+    gx, gy = gradients((20 + 3 * x + 5 * y).astype(np.uint8))
+    assert gx.shape == gy.shape == (5, 7)
+    assert (gx == -6).all() and (gy == -10).all()
+
+
+@pytest.mark.parametrize(("dtype", "top"), [(np.uint8, 15), (np.uint8, 255), (np.uint16, 1023)])
+def test_single_pixel_gives_both_signs_without_wrapping(dtype: type, top: int) -> None:
+    image = np.zeros((5, 5), dtype)
+    image[2, 2] = top
+    gx, gy = gradients(image)
+    # left of the pixel it is the right neighbour, so it counts negative
+    assert gx.tolist() == [[0, 0, 0], [-top, 0, top], [0, 0, 0]]
+    assert gy.tolist() == [[0, -top, 0], [0, 0, 0], [0, top, 0]]
+
+
+@pytest.mark.parametrize(
+    ("gx", "gy", "gradient", "expected"),
+    [
+        (3, 5, "signed", (9, 25, 15)),
+        (-3, 5, "signed", (9, 25, -15)),
+        (3, -5, "signed", (9, 25, -15)),
+        (-3, -5, "signed", (9, 25, 15)),
+        (-3, 5, "absolute", (9, 25, 15)),
+        (3, -5, "absolute", (9, 25, 15)),
+        (-3, -5, "absolute", (9, 25, 15)),
+        (0, -7, "signed", (0, 49, 0)),
+        (255, -255, "signed", (65025, 65025, -65025)),
+        (-255, 255, "absolute", (65025, 65025, 65025)),
+        (-1023, 1023, "signed", (1046529, 1046529, -1046529)),
+    ],
+)
+def test_products(gx: int, gy: int, gradient: Gradient, expected: tuple[int, int, int]) -> None:
+    a, b, c = products(np.array([[gx]], np.int16), np.array([[gy]], np.int16), gradient)
+    assert (a.item(), b.item(), c.item()) == expected

@@ -1,0 +1,145 @@
+"""What follows from the formulas for any image at all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from golden import Corners, Parameters, Settings, StreamModel, detect
+from golden.convolution import smooth
+from golden.detector import RESPONSE_MARGIN, response_map
+from golden.preprocessing import gradients, products
+from tests.strategies import detectors, images
+
+Image = NDArray[np.unsignedinteger[Any]]
+EVERYTHING = Settings(sigma1=0.0, sigma2=0.2, floor=1, report_rejected=True)
+"""Every maximum is reported, with the texture filter's verdict."""
+CONSTANT = Settings(sigma1=0.01, reference="constant", constant=2000, floor=1, report_rejected=True)
+
+Turn = tuple[
+    Callable[[Image], Image], Callable[[Corners, int, int], tuple[NDArray[np.float64], NDArray[np.float64]]]
+]
+TURNS: dict[str, Turn] = {
+    "mirror x": (lambda image: image[:, ::-1], lambda c, height, width: (width - 1 - c.x, c.y)),
+    "mirror y": (lambda image: image[::-1], lambda c, height, width: (c.x, height - 1 - c.y)),
+    "transpose": (lambda image: image.T, lambda c, height, width: (c.y, c.x)),
+    "quarter turn": (lambda image: np.rot90(image), lambda c, height, width: (c.y, width - 1 - c.x)),
+    "half turn": (
+        lambda image: np.rot90(image, 2),
+        lambda c, height, width: (width - 1 - c.x, height - 1 - c.y),
+    ),
+}
+
+
+def rows(
+    corners: Corners, x: NDArray[np.float64] | None = None, y: NDArray[np.float64] | None = None
+) -> list[tuple[float, ...]]:
+    """Corners in an order that does not depend on the raster."""
+    x = corners.x if x is None else x
+    y = corners.y if y is None else y
+    fields = (y, x, corners.response, corners.flags)
+    return sorted(zip(*(field.tolist() for field in fields), strict=True))
+
+
+@given(images(), detectors(ties="strict", fit="nine"), st.sampled_from(sorted(TURNS)))
+def test_turning_the_image_turns_the_corners(image: Image, parameters: Parameters, turn: str) -> None:
+    turn_image, turn_corners = TURNS[turn]
+    corners = detect(image, parameters, EVERYTHING)
+    turned = detect(turn_image(image), parameters, EVERYTHING)
+    assert rows(turned) == rows(corners, *turn_corners(corners, *image.shape))
+
+
+@given(images(), detectors(), st.sampled_from(sorted(TURNS)))
+def test_turning_the_image_turns_the_response(image: Image, parameters: Parameters, turn: str) -> None:
+    # holds for ties and fits that prefer a direction too
+    turn_map = TURNS[turn][0]
+    responses = response_map(image, parameters)
+    assert (response_map(turn_map(image), parameters) == turn_map(responses)).all()  # type: ignore[arg-type]
+
+
+@given(images(), detectors(), st.data())
+def test_adding_a_constant_changes_nothing(image: Image, parameters: Parameters, data: st.DataObject) -> None:
+    shift = data.draw(st.integers(-int(image.min()), 255 - int(image.max())))
+    shifted = (image.astype(np.int64) + shift).astype(np.uint8)
+    assert rows(detect(shifted, parameters, EVERYTHING)) == rows(detect(image, parameters, EVERYTHING))
+
+
+@given(images(), detectors(), st.booleans())
+def test_image_without_gradients_across_has_no_corner(
+    image: Image, parameters: Parameters, down: bool
+) -> None:
+    stripes = np.broadcast_to(image[:, :1] if down else image[:1], image.shape)
+    flat = np.full_like(image, image[0, 0])
+    for without in (stripes, flat):
+        assert not response_map(without, parameters).any()
+        assert len(detect(without, parameters, EVERYTHING)) == 0
+
+
+@given(images(max_side=60), detectors(), st.data())
+def test_cropping_changes_nothing_further_than_seven_pixels_away(
+    image: Image, parameters: Parameters, data: st.DataObject
+) -> None:
+    height, width = image.shape
+    top, left = data.draw(st.integers(0, height - 15)), data.draw(st.integers(0, width - 15))
+    bottom, right = data.draw(st.integers(top + 15, height)), data.draw(st.integers(left + 15, width))
+    whole = detect(image, parameters, CONSTANT)
+    crop = detect(image[top:bottom, left:right], parameters, CONSTANT)
+
+    crop_rows = rows(crop, crop.x + left, crop.y + top)
+    whole_rows = rows(whole)
+    assert set(crop_rows) <= set(whole_rows)
+    # a corner strictly inside this rectangle is centred 7 pixels or more from every new edge
+    expected = [
+        row for row in whole_rows if top + 6.5 < row[0] < bottom - 7.5 and left + 6.5 < row[1] < right - 7.5
+    ]
+    assert set(expected) <= set(crop_rows)
+    assert len(set(crop_rows)) == len(crop)
+
+
+@given(images(), detectors())
+def test_response_is_between_zero_and_the_trace(image: Image, parameters: Parameters) -> None:
+    a, b, _ = (smooth(product) for product in products(*gradients(image), parameters.gradient))
+    responses = response_map(image, parameters)
+    assert (responses >= 0).all() and (responses <= a + b).all()
+    assert responses.shape == tuple(side - 2 * RESPONSE_MARGIN for side in image.shape)
+
+
+@given(images(), detectors(), st.sampled_from(["banked", "lean"]), st.integers(1, 17))
+def test_how_the_hardware_is_built_never_changes_a_record(
+    image: Image, parameters: Parameters, buffering: Any, bits_per_stage: int
+) -> None:
+    fields = {name: getattr(parameters, name) for name in ("gradient", "ties", "fit", "patches")}
+    other = Parameters(**fields, buffering=buffering, sqrt_bits_per_stage=bits_per_stage, max_width=64)
+    one, two = StreamModel(parameters), StreamModel(other)
+    for _ in range(2):
+        assert (one.process(image, EVERYTHING).records == two.process(image, EVERYTHING).records).all()
+
+
+@given(images(), detectors(), st.sampled_from([0.0, 0.01, 0.1, 0.5]))
+def test_sigmas_only_take_away(image: Image, parameters: Parameters, sigma1: float) -> None:
+    everything = rows(detect(image, parameters, EVERYTHING))
+    fewer = rows(
+        detect(image, parameters, Settings(sigma1=sigma1, sigma2=0.2, floor=1, report_rejected=True))
+    )
+    assert set(fewer) <= set(everything)
+    assert all(row[2] > sigma1 * row[2] for row in fewer)
+
+
+@given(images(), detectors(ties="strict"))
+def test_first_keeps_every_strict_corner(image: Image, parameters: Parameters) -> None:
+    fields = {name: getattr(parameters, name) for name in ("gradient", "fit", "patches")}
+    strict = rows(detect(image, parameters, EVERYTHING))
+    first = rows(detect(image, Parameters(**fields, ties="first"), EVERYTHING))
+    assert set(strict) <= set(first)
+
+
+@given(images(pixel_bits=8), detectors())
+def test_wider_pixels_of_the_same_values_give_the_same_corners(image: Image, parameters: Parameters) -> None:
+    fields = {name: getattr(parameters, name) for name in ("gradient", "ties", "fit", "patches")}
+    ten = detect(image.astype(np.uint16), Parameters(**fields, pixel_bits=10), EVERYTHING)
+    assert rows(ten) == rows(detect(image, parameters, EVERYTHING))

@@ -1,0 +1,76 @@
+"""What hypothesis draws: images of every character, and detectors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.typing import NDArray
+
+from golden import Parameters
+
+Image = NDArray[np.unsignedinteger[Any]]
+Painter = Callable[[np.random.Generator, int, int], NDArray[np.float64]]
+
+
+def _noise(rng: np.random.Generator, height: int, width: int) -> NDArray[np.float64]:
+    return rng.random((height, width))
+
+
+def _blocks(rng: np.random.Generator, height: int, width: int) -> NDArray[np.float64]:
+    side = int(rng.integers(2, 9))
+    coarse = rng.random((height // side + 1, width // side + 1))
+    return np.kron(coarse, np.ones((side, side)))[:height, :width]
+
+
+def _wedges(rng: np.random.Generator, height: int, width: int) -> NDArray[np.float64]:
+    y, x = np.mgrid[:height, :width]
+    image = np.zeros((height, width))
+    for angle in rng.random(3) * 2 * np.pi:
+        distance = (x - rng.random() * width) * np.cos(angle) + (y - rng.random() * height) * np.sin(angle)
+        image += rng.random() * (distance > 0)
+    return image / 3
+
+
+def _sparse(rng: np.random.Generator, height: int, width: int) -> NDArray[np.float64]:
+    return (rng.random((height, width)) < 0.05).astype(np.float64)
+
+
+def _symmetric(rng: np.random.Generator, height: int, width: int) -> NDArray[np.float64]:
+    # ties in plenty: equal responses left and right, above and below
+    image = _blocks(rng, height, width)
+    return (image + image[::-1] + image[:, ::-1] + image[::-1, ::-1]) / 4
+
+
+_PAINTERS: tuple[Painter, ...] = (_noise, _blocks, _wedges, _sparse, _symmetric)
+
+
+@st.composite
+def images(draw: st.DrawFn, pixel_bits: int = 8, max_side: int = 40) -> Image:
+    """Images from 15x15 up: noise, blocks, wedges, dots, of every contrast, or drawn pixel by pixel."""
+    dtype = np.uint8 if pixel_bits <= 8 else np.uint16
+    top = (1 << pixel_bits) - 1
+    if draw(st.integers(0, 5)) == 0:
+        shape = (draw(st.integers(15, 18)), draw(st.integers(15, 18)))
+        return draw(arrays(dtype, shape, elements=st.integers(0, top), fill=st.just(0)))
+    height, width = draw(st.integers(15, max_side)), draw(st.integers(15, max_side))
+    painter = draw(st.sampled_from(_PAINTERS))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    contrast = draw(st.sampled_from((1, 3, top // 4, top)))
+    base = draw(st.integers(0, top - contrast))
+    return (base + np.round(painter(rng, height, width) * contrast)).astype(dtype)
+
+
+def detectors(**fixed: Any) -> st.SearchStrategy[Parameters]:
+    """Parameters of every kind that hardware can have; ``fixed`` fields keep their value."""
+    fields: dict[str, st.SearchStrategy[Any]] = {
+        "gradient": st.sampled_from(("absolute", "signed")),
+        "ties": st.sampled_from(("strict", "first")),
+        "fit": st.sampled_from(("nine", "six")),
+        "patches": st.sampled_from(("regions", "pixels")),
+    }
+    fields.update({field: st.just(value) for field, value in fixed.items()})
+    return st.builds(Parameters, **fields)
