@@ -56,7 +56,7 @@ class CircularBuffer(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Clocks from a beat to the column that it completes (lean), or from a row's last beat to its first column."""
+        """Clocks from a beat to the column that it completes, or (banked) from a row's end to its first column."""
         return 2 if self._buffering == "lean" else 5
 
     @property

@@ -1,3 +1,5 @@
+# amaranth: UnusedElaboratable=no
+# the parts are made at once, because the latency is theirs, and elaborated perhaps never
 """The whole detector, wired as the paper's Fig. 9."""
 
 from __future__ import annotations

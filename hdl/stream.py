@@ -14,7 +14,7 @@ from amaranth.lib.wiring import In, Out
 
 
 def Beat(shape: ShapeLike) -> data.StructLayout:
-    """Layout of one beat of a raster: ``data``, ``eol`` (last of its row), ``eof`` (last of its frame; implies eol)."""
+    """One beat of a raster: ``data``, ``eol`` (last of its row), ``eof`` (last of its frame; implies eol)."""
     return data.StructLayout({"data": shape, "eol": 1, "eof": 1})
 
 

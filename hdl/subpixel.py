@@ -1,3 +1,5 @@
+# amaranth: UnusedElaboratable=no
+# the parts are made at once, because the latency is theirs, and elaborated perhaps never
 """Subpixel refinement (Sec. 3.4, Fig. 13): peak of a quadratic surface through the responses around a candidate."""
 
 from __future__ import annotations

@@ -1,0 +1,296 @@
+# amaranth: UnusedElaboratable=no
+"""The whole detector against the golden model: every record, every clock."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from flow.verilog import emit_verilog
+from golden import Parameters, Settings, StreamModel, decode_frame_end, profile
+from hdl.detector import Detector
+from sim.engine import Engine, make_engine
+from sim.frames import (
+    Frame,
+    SimulationResult,
+    compare,
+    frame_stimulus,
+    simulate_frames,
+    split_frames,
+    summarize,
+)
+from sim.stimulus import Stalls, Stimulus
+from tests.photographs import PHOTOGRAPHS, photograph
+from tests.strategies import images
+
+PAPER = profile("paper")
+ROBUST = profile("robust")
+SMALL = {"max_width": 64, "max_height": 64}
+# together these hold every value of every field, next to different values of the others
+MIXTURES = {
+    "paper": profile("paper", **SMALL),
+    "robust": profile("robust", **SMALL),
+    "paper lean, six samples, single pixels": profile(
+        "paper", **SMALL, buffering="lean", fit="six", patches="pixels", sqrt_bits_per_stage=3
+    ),
+    "robust banked, six samples": profile(
+        "robust", **SMALL, buffering="banked", fit="six", sqrt_bits_per_stage=2
+    ),
+    "10-bit pixels": profile("robust", **SMALL, pixel_bits=10, sqrt_bits_per_stage=4),
+    "4-bit pixels": profile("paper", **SMALL, pixel_bits=4, ties="first", sqrt_bits_per_stage=17),
+}
+STALLS = {
+    "none": Stalls(),
+    "input": Stalls(inputs=0.5, seed=1),
+    "output": Stalls(outputs=0.5, seed=2),
+    "both": Stalls(inputs=0.3, outputs=0.3, seed=3),
+    "starved": Stalls(inputs=0.9, seed=4),
+    "clogged": Stalls(outputs=0.97, seed=5),
+}
+EVERYTHING = Settings(sigma1=0.002, sigma2=2.0, report_rejected=True)
+
+
+@cache
+def engine(parameters: Parameters) -> Engine:
+    return make_engine("compiled", Detector(parameters))
+
+
+def run(parameters: Parameters, frames: list[Frame], stalls: Stalls | None = None) -> SimulationResult:
+    """Simulate and compare; every test goes through here."""
+    result = simulate_frames(engine(parameters), frames, parameters, stalls=stalls)
+    check(result, parameters, frames)
+    return result
+
+
+def check(result: SimulationResult, parameters: Parameters, frames: list[Frame]) -> None:
+    model = StreamModel(parameters)
+    mismatches = compare(result, [model.process(*frame).records for frame in frames])
+    assert not mismatches, summarize(mismatches)
+
+
+def noise(height: int, width: int, seed: int, parameters: Parameters = PAPER) -> NDArray[np.unsignedinteger]:
+    dtype = np.uint8 if parameters.pixel_bits <= 8 else np.uint16
+    return np.random.default_rng(seed).integers(
+        0, parameters.pixel_max, (height, width), dtype, endpoint=True
+    )
+
+
+@pytest.mark.parametrize("name", PHOTOGRAPHS)
+@pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
+def test_photographs(parameters: Parameters, name: str) -> None:
+    image = photograph(name)
+    detect_all = Settings(report_rejected=True)
+    result = run(parameters, [(image, detect_all), (image, Settings()), (image, EVERYTHING)])
+    assert [frame.clocks for frame in result.frames] == [image.size] * 3
+    for frame in result.frames:
+        assert frame.end_of_frame - frame.last_pixel == Detector(parameters).frame_latency(image.shape[1])
+
+
+@pytest.mark.parametrize("stalls", STALLS.values(), ids=STALLS.keys())
+@pytest.mark.parametrize("buffering", ["banked", "lean"])
+def test_photograph_under_stalls(buffering: str, stalls: Stalls, camera: NDArray[np.uint8]) -> None:
+    parameters = profile("paper", buffering=buffering)
+    image = camera[100:300, 150:450]
+    run(parameters, [(image, Settings()), (image, EVERYTHING)], stalls)
+
+
+@pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
+def test_full_hd_at_the_built_maximum(parameters: Parameters) -> None:
+    image = np.tile(photograph("brick"), (3, 4))[:1080, :1920]
+    result = run(parameters, [(image, Settings()), (image, Settings())])
+    assert [frame.clocks for frame in result.frames] == [1920 * 1080] * 2
+
+
+@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+@given(data=st.data())
+@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
+def test_any_images_sizes_and_stalls(parameters: Parameters, data: st.DataObject) -> None:
+    reference = st.sampled_from(["previous", "constant"])
+    limit = parameters.response_max
+    any_settings = st.builds(
+        Settings,
+        sigma1=st.floats(0, 0.5),
+        sigma2=st.floats(0, 10),
+        reference=reference,
+        constant=st.integers(1, limit),
+        floor=st.integers(1, limit // 64),
+        report_rejected=st.booleans(),
+    )
+    frame = st.tuples(images(parameters.pixel_bits, max_side=64), any_settings)
+    frames = data.draw(st.lists(frame, min_size=1, max_size=4))
+    chance = st.sampled_from([0.0, 0.1, 0.5, 0.9])
+    stalls = data.draw(st.builds(Stalls, chance, chance, st.integers(0, 1000)))
+    run(parameters, frames, stalls)
+
+
+@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+def test_extremes(parameters: Parameters) -> None:
+    """Checkerboards of every small period, flat frames at both ends, noise: the widths hold."""
+    full = parameters.pixel_max
+    y, x = np.mgrid[:40, :50]
+    dtype = np.uint8 if parameters.pixel_bits <= 8 else np.uint16
+    frames = [((((x // n) + (y // n)) % 2) * full).astype(dtype) for n in range(1, 8)]
+    frames += [((x // n + 0 * y) % 2 * full).astype(dtype) for n in (1, 2, 3)]
+    frames += [np.full((20, 30), full, dtype), np.zeros((30, 20), dtype), noise(50, 60, 1, parameters)]
+    frames += [(noise(50, 60, 2, parameters) > full // 2).astype(dtype) * dtype(full)]
+    wide_open = Settings(
+        sigma1=0, sigma2=15.9, reference="constant", constant=parameters.response_max, floor=1
+    )
+    run(parameters, [(frame, wide_open) for frame in frames])
+
+
+@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+@pytest.mark.parametrize("size", [(15, 15), (15, 64), (64, 15), (33, 47)])
+def test_one_pixel_per_clock(parameters: Parameters, size: tuple[int, int]) -> None:
+    """Back-to-back frames of one size never wait, however many corners there are."""
+    result = run(
+        parameters, [(noise(*size, seed, parameters), Settings(sigma1=0, sigma2=15)) for seed in range(5)]
+    )
+    assert [frame.clocks for frame in result.frames] == [size[0] * size[1]] * 5
+    latency = Detector(parameters).frame_latency(size[1])
+    assert [frame.end_of_frame - frame.last_pixel for frame in result.frames] == [latency] * 5
+
+
+@pytest.mark.parametrize("parameters", [MIXTURES["paper"], MIXTURES["robust"]], ids=["paper", "robust"])
+def test_a_change_of_size_costs_at_most_the_push(parameters: Parameters) -> None:
+    sizes = [(15, 15), (20, 64), (15, 15), (64, 16), (17, 17), (16, 64), (15, 16)]
+    result = run(parameters, [(noise(*size, seed), EVERYTHING) for seed, size in enumerate(sizes)])
+    widths = [width for _, width in sizes]
+    for frame, (height, width), before in zip(result.frames, sizes, [15, *widths], strict=False):
+        push = 0 if parameters.buffering == "lean" else 3 * max(before, width)
+        assert height * width <= frame.clocks <= height * width + push
+
+
+def test_a_corner_on_the_last_possible_pixel() -> None:
+    """Nearest to the end-of-frame record that a corner can come; and one pixel before it."""
+    parameters = MIXTURES["robust"]
+    found = {0: 0, 1: 0}
+    for seed in range(400):
+        image = noise(16, 17, seed)
+        result = run(parameters, [(image, Settings(sigma1=0, sigma2=15))])
+        positions = result.frames[0].records[:-1] & np.uint64((1 << 40) - 1)
+        columns = {
+            round(float(p & np.uint64(0xFFFFF)) / 128) for p in positions if round(float(p >> 20) / 128) == 8
+        }
+        for distance in found:
+            found[distance] += 9 - distance in columns
+    assert all(found.values()), found
+
+
+@given(cut=st.integers(1, 40 * 30 - 1), seed=st.integers(0, 99), name=st.sampled_from(["paper", "robust"]))
+@settings(max_examples=40)
+def test_reset_in_mid_frame(cut: int, seed: int, name: str) -> None:
+    """After a reset anywhere the next frames are as after power-on: first frame, frame number 0."""
+    parameters = MIXTURES[name]
+    broken: Frame = (noise(30, 40, seed), EVERYTHING)
+    frames: list[Frame] = [(noise(20, 25, seed + 1), EVERYTHING), (noise(25, 20, seed + 2), EVERYTHING)]
+    stalls = Stalls(0.2, 0.2, seed)
+    start = frame_stimulus([broken], parameters, stalls)
+    rest = frame_stimulus(frames, parameters, stalls)
+    # the engine loses the beat on offer when the reset comes; give it one that nobody needs
+    pixels = np.concatenate([start.beats["i"][: cut + 1], rest.beats["i"]])
+    levels = [*start.levels, *((beat + cut + 1, values) for beat, values in rest.levels)]
+    capture = engine(parameters).run(Stimulus({"i": pixels}, levels, stalls, reset_after=cut), quiet=1000)
+
+    model = StreamModel(parameters)
+    expected = np.concatenate([model.process(*frame).records for frame in frames])
+    words = capture.outputs["o"][:, 0]
+    assert np.array_equal(words[len(words) - len(expected) :], expected)
+    # and what came out before the reset is the beginning of the broken frame
+    before = words[: len(words) - len(expected)]
+    assert np.array_equal(before, StreamModel(parameters).process(*broken).records[: len(before)])
+
+
+@pytest.mark.parametrize("parameters", [MIXTURES["paper"], MIXTURES["robust"]], ids=["paper", "robust"])
+def test_a_frame_leaves_no_trace_but_its_maximum(parameters: Parameters) -> None:
+    constant = Settings(sigma1=0.002, sigma2=2, reference="constant", report_rejected=True)
+    last: Frame = (noise(30, 30, 0), constant)
+    words = []
+    for seed, (height, width) in enumerate([(30, 30), (15, 64), (64, 15)]):
+        result = run(parameters, [(noise(height, width, seed), constant), last])
+        words.append(result.frames[1].records)
+    assert all(np.array_equal(words[0], other) for other in words[1:])
+
+
+def test_settings_and_size_are_sampled_with_the_first_pixel_only() -> None:
+    parameters = MIXTURES["robust"]
+    frames: list[Frame] = [(noise(30, 40, 1), EVERYTHING), (noise(20, 50, 2), EVERYTHING)]
+    plain = frame_stimulus(frames, parameters, Stalls())
+    garbage = {
+        "width": 17,
+        "height": 63,
+        "sigma1": 0,
+        "sigma2": 1,
+        "use_constant": 1,
+        "constant": 1,
+        "floor": 9,
+    }
+    levels = sorted([*plain.levels, (1, garbage), (1201, garbage)], key=lambda change: change[0])
+    capture = engine(parameters).run(Stimulus(plain.beats, levels))
+    check(split_frames(capture, [image.size for image, _ in frames]), parameters, frames)
+
+
+def test_sizes_out_of_range_are_taken_as_the_nearest_allowed() -> None:
+    parameters = MIXTURES["robust"]
+    frames: list[Frame] = [(noise(15, 15, 1), EVERYTHING), (noise(64, 64, 2), EVERYTHING)]
+    plain = frame_stimulus(frames, parameters, Stalls())
+    wrong = [{"width": 3, "height": 0}, {"width": 127, "height": 100}]
+    levels = [(beat, {**values, **size}) for (beat, values), size in zip(plain.levels, wrong, strict=True)]
+    capture = engine(parameters).run(Stimulus(plain.beats, levels))
+    check(split_frames(capture, [image.size for image, _ in frames]), parameters, frames)
+
+
+def test_end_of_frame_record() -> None:
+    frames: list[Frame] = [(np.zeros((20, 20), np.uint8), Settings()), (noise(40, 40, 1), EVERYTHING)]
+    result = run(MIXTURES["paper"], frames)
+    empty, full = (decode_frame_end(int(frame.records[-1])) for frame in result.frames)
+    assert (empty.records, empty.frame, empty.maximum) == (0, 0, 0)
+    assert full.records == len(result.frames[1].records) - 1 > 0
+    assert full.frame == 1 and full.maximum > 0
+
+
+@pytest.mark.parametrize("name", ["paper", "robust"])
+def test_amaranths_simulator_agrees_clock_by_clock(name: str) -> None:
+    parameters = MIXTURES[name]
+    frames: list[Frame] = [(noise(15, 18, 1), EVERYTHING), (noise(18, 15, 2), EVERYTHING)]
+    stimulus = frame_stimulus(frames, parameters, Stalls(0.3, 0.3, 6))
+    captures = [
+        each.run(stimulus, quiet=300)
+        for each in (engine(parameters), make_engine("amaranth", Detector(parameters)))
+    ]
+    check(split_frames(captures[1], [image.size for image, _ in frames]), parameters, frames)
+    assert np.array_equal(captures[0].output_clocks["o"], captures[1].output_clocks["o"])
+    assert np.array_equal(captures[0].input_clocks["i"], captures[1].input_clocks["i"])
+
+
+@pytest.mark.parametrize("name", ["paper", "robust"])
+def test_the_emitted_verilog_in_an_independent_simulator(name: str, tmp_path: Path) -> None:
+    """Verilator, starting from random contents of everything that is not reset."""
+    parameters = profile(name)
+    verilog = tmp_path / "cornerstream.v"
+    verilog.write_text(emit_verilog(parameters))
+    simulator = make_engine("verilog", Detector(parameters), verilog=verilog)
+    image = photograph("camera")
+    frames: list[Frame] = [(image, Settings()), (image, EVERYTHING), (image[:100, :200], EVERYTHING)]
+    stimulus = frame_stimulus(frames, parameters, Stalls(0.1, 0.1, 7))
+    capture = simulator.run(stimulus, quiet=3000)
+    check(split_frames(capture, [image.size for image, _ in frames]), parameters, frames)
+    compiled = engine(parameters).run(stimulus, quiet=3000)
+    assert np.array_equal(capture.output_clocks["o"], compiled.output_clocks["o"])
+
+
+@pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
+def test_latency_is_the_sum_of_the_blocks(parameters: Parameters) -> None:
+    detector = Detector(parameters)
+    assert detector.latency == sum(block.latency for block in detector.blocks.values()) + 2
+
+
+def test_the_printed_fit_exists_in_the_golden_model_only() -> None:
+    with pytest.raises(ValueError, match=r"fit is 'printed'; allowed in hardware: nine, six"):
+        Detector(profile("paper", fit="printed"))
