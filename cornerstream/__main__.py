@@ -1,0 +1,5 @@
+"""``python -m cornerstream``."""
+
+from cornerstream.cli import main
+
+main(prog_name="cornerstream")

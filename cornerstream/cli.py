@@ -1,0 +1,35 @@
+"""The command ``cornerstream``."""
+
+from __future__ import annotations
+
+import click
+
+from cornerstream.bench import bench
+from cornerstream.detection import detect
+from cornerstream.errors import OneLineGroup
+from cornerstream.simulation import simulate
+from cornerstream.verilog import verilog
+from flow.version import VERSION
+
+
+@click.group(
+    cls=OneLineGroup,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+@click.version_option(VERSION, "--version", prog_name="cornerstream")
+def main() -> None:
+    """Find corners in a stream of images: one pixel per clock, in hardware.
+
+    \b
+    Examples:
+      cornerstream simulate                  the hardware, clock by clock, on a photograph
+      cornerstream simulate photo.jpg        ... on your own
+      cornerstream detect photo.jpg --json   the golden model only
+      cornerstream verilog -o core.v         the core, for your synthesis tool
+
+    Exit codes: 0 all well, 1 hardware and golden model differ or the run failed, 2 bad input.
+    """
+
+
+for command in (simulate, detect, verilog, bench):
+    main.add_command(command)

@@ -1,0 +1,67 @@
+"""What goes to the terminal: results on stdout, everything else on stderr."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
+
+from cornerstream.images import Photograph
+
+out = Console()
+
+
+def remarks(photograph: Photograph) -> None:
+    """One line for each conversion that the image needed."""
+    for remark in photograph.remarks:
+        say(f"{photograph.name}: {remark}")
+
+
+def say(line: str) -> None:
+    """A line for the user that is no result."""
+    click.echo(line, err=True)
+
+
+def files_written(paths: list[Path]) -> None:
+    """Name the files that were written."""
+    say(f"Written: {', '.join(map(str, paths))}")
+
+
+@contextmanager
+def activity(text: str) -> Iterator[None]:
+    """Show that something is going on whose length is not known; nothing if stderr is no terminal."""
+    with Console(stderr=True).status(text):
+        yield
+
+
+@contextmanager
+def progress(text: str, total: int) -> Iterator[Callable[[int], None]]:
+    """A bar on stderr, moved by calling the result with what is done so far; nothing if it is no terminal."""
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        # what comes before the first step, such as compiling, is not to spoil the estimate
+        task = bar.add_task(text, total=total, start=False)
+
+        def advance(done: int) -> None:
+            bar.start_task(task)
+            bar.update(task, completed=done)
+
+        yield advance

@@ -1,0 +1,70 @@
+"""``cornerstream detect``: the golden model on one image."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+from rich.table import Table
+
+from cornerstream import console
+from cornerstream.files import corners_json, prepare_folder, write_results
+from cornerstream.images import load
+from cornerstream.options import (
+    detector_options,
+    image_argument,
+    output_option,
+    parameters_from,
+    settings_from,
+    threshold_options,
+)
+from golden import Corners
+from golden import detect as golden_detect
+
+
+@click.command(short_help="Golden model on one image.")
+@image_argument
+@detector_options
+@threshold_options
+@output_option(None, "Folder for corners.csv and corners.png.  [default: build, or no files with --json]")
+@click.option("--json", "as_json", is_flag=True, help="Print the corners as JSON instead of a table.")
+def detect(image: Path, output: Path | None, as_json: bool, **options: Any) -> None:
+    """Find the corners of IMAGE with the golden model, without hardware.
+
+    Thresholds are relative to the image's own largest response: what the hardware uses from the second
+    frame on while the scene stands still.
+
+    \b
+    Examples:
+      cornerstream detect photo.jpg
+      cornerstream detect photo.jpg --profile robust --sigma1 0.05 -o corners/
+      cornerstream detect photo.jpg --json | jq '.corners | length'
+    """
+    parameters = parameters_from(options, hardware=False)
+    settings = settings_from(options, parameters)
+    photograph = load(image, parameters)
+    console.remarks(photograph)
+    if output is None and not as_json:
+        output = Path("build")
+    if output is not None:
+        prepare_folder(output)
+    corners = golden_detect(photograph.pixels, parameters, settings)
+    if output is not None:
+        console.files_written(write_results(output, photograph.pixels, corners))
+    height, width = photograph.pixels.shape
+    if as_json:
+        click.echo(corners_json(corners, image=str(image), width=width, height=height))
+    else:
+        console.out.print(_table(width, height, corners))
+
+
+def _table(width: int, height: int, corners: Corners) -> Table:
+    table = Table()
+    for heading in ("size", "corners", "rejected", "clamped", "not a maximum"):
+        table.add_column(heading, justify="right")
+    accepted = corners.accepted
+    flags = [np.count_nonzero(corners.flags[accepted] & flag) for flag in (1, 2)]
+    table.add_row(f"{width}x{height}", str(accepted.sum()), str((~accepted).sum()), *map(str, flags))
+    return table

@@ -1,0 +1,109 @@
+"""Output files: the table of corners as CSV or JSON, the picture; either all of them are written, or none."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cornerstream.errors import BadInput, reason
+from cornerstream.picture import draw_corners
+from golden import Corners, Flag
+
+COLUMNS = ("x", "y", "response", "accepted", "clamped", "not_maximum")
+
+CSV_NAME = "corners.csv"
+PICTURE_NAME = "corners.png"
+
+
+def rows(corners: Corners) -> Iterator[tuple[float, float, int, int, int, int]]:
+    """One tuple per corner, in the order of :data:`COLUMNS`; positions are exact multiples of 1/128 pixel."""
+    accepted = corners.accepted
+    for index in range(len(corners)):
+        flags = int(corners.flags[index])
+        yield (
+            float(corners.x[index]),
+            float(corners.y[index]),
+            int(corners.response[index]),
+            int(accepted[index]),
+            int(bool(flags & Flag.CLAMPED)),
+            int(bool(flags & Flag.NOT_MAXIMUM)),
+        )
+
+
+def corners_csv(corners: Corners) -> str:
+    """The corners as CSV with a heading; flags are 0 or 1."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    # seven decimals hold 1/128 exactly
+    writer.writerows((f"{x:.7f}", f"{y:.7f}", *rest) for x, y, *rest in rows(corners))
+    return text.getvalue()
+
+
+def corners_json(corners: Corners, **about: Any) -> str:
+    """The corners as a JSON object: what is said ``about`` them, and ``corners``, a list of objects."""
+    flags = COLUMNS[3:]
+    listed: list[dict[str, Any]] = [dict(zip(COLUMNS, row, strict=True)) for row in rows(corners)]
+    for corner in listed:
+        corner.update({flag: bool(corner[flag]) for flag in flags})
+    return json.dumps({**about, "corners": listed})
+
+
+def prepare_folder(folder: Path) -> None:
+    """Make an output folder and see that it can be written, before long work begins."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with NamedTemporaryFile(dir=folder, prefix=".writable-"):
+            pass
+    except OSError as error:
+        raise BadInput(
+            f"cannot write to {folder}: {reason(error)}; allowed: a folder that can be written"
+        ) from error
+
+
+def write_results(folder: Path, pixels: NDArray[np.uint8], corners: Corners) -> list[Path]:
+    """Write corners.csv and corners.png; returns their paths."""
+    picture = io.BytesIO()
+    draw_corners(pixels, corners).save(picture, format="PNG", optimize=True)
+    contents = {
+        folder / CSV_NAME: corners_csv(corners).encode(),
+        folder / PICTURE_NAME: picture.getvalue(),
+    }
+    write_all(contents)
+    return list(contents)
+
+
+def write_all(contents: Mapping[Path, bytes]) -> None:
+    """Write files under temporary names, renamed when all are complete: none is ever half written."""
+    temporary: dict[Path, Path] = {}
+    try:
+        for path, content in contents.items():
+            with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}-", delete=False) as file:
+                temporary[path] = Path(file.name)
+                file.write(content)
+            # temporary files are private; these are for everybody whom the umask allows
+            temporary[path].chmod(0o666 & ~_umask())
+        for path, complete in temporary.items():
+            os.replace(complete, path)
+    except OSError as error:
+        raise BadInput(
+            f"cannot write {path}: {reason(error)}; allowed: a file that can be written"
+        ) from error
+    finally:
+        for leftover in temporary.values():
+            leftover.unlink(missing_ok=True)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

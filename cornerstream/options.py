@@ -1,0 +1,120 @@
+"""Options that several commands share, and the objects that are made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+import click
+
+from cornerstream.errors import BadInput, bad_input
+from golden import PROFILES, Parameters, Settings, profile
+from golden.parameters import Buffering, Fit, Gradient, Patches, Reference, Ties
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+_DETECTOR = ("gradient", "ties", "fit", "patches", "buffering", "max_width", "max_height", "pixel_bits")
+_THRESHOLDS = ("sigma1", "sigma2", "reference", "constant", "floor")
+_PLAIN = Parameters()
+_USUAL = Settings()
+
+
+def _together(*options: Callable[[Command], Command]) -> Callable[[Command], Command]:
+    def decorate(command: Command) -> Command:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+def _choice(name: str, allowed: Any, text: str) -> Callable[[Command], Command]:
+    return click.option(name, type=click.Choice(get_args(allowed)), help=f"{text} Default: the profile's.")
+
+
+detector_options = _together(
+    click.option(
+        "--profile",
+        type=click.Choice(list(PROFILES)),
+        default="paper",
+        show_default=True,
+        help="Named set of the choices below.",
+    ),
+    _choice("--gradient", Gradient, "Keep the sign of gx·gy, or not, as the paper."),
+    _choice("--ties", Ties, "Of two equal neighbouring responses: neither is a corner, or the first."),
+    _choice("--fit", Fit, "Subpixel surface; 'printed' is the paper's misprint (golden model only)."),
+    _choice("--patches", Patches, "Patches of the texture filter: 3x3 regions or single pixels."),
+    _choice("--buffering", Buffering, "Line buffers: N+1 banks as the paper, or N-1 rows."),
+    click.option("--max-width", type=int, default=_PLAIN.max_width, show_default=True, help="Built maximum."),
+    click.option(
+        "--max-height", type=int, default=_PLAIN.max_height, show_default=True, help="Built maximum."
+    ),
+)
+
+threshold_options = _together(
+    click.option(
+        "--sigma1",
+        type=float,
+        default=_USUAL.sigma1,
+        show_default=True,
+        help="A corner has a response D above sigma1 times the reference; 0 <= sigma1 < 1.",
+    ),
+    click.option(
+        "--sigma2",
+        type=float,
+        default=_USUAL.sigma2,
+        show_default=True,
+        help="A corner has a texture measure below sigma2 times the reference; 0 <= sigma2 < 16.",
+    ),
+    click.option(
+        "--reference",
+        type=click.Choice(get_args(Reference)),
+        default=_USUAL.reference,
+        show_default=True,
+        help="The previous frame's largest D, or --constant.",
+    ),
+    click.option(
+        "--constant",
+        type=int,
+        default=_USUAL.constant,
+        show_default=True,
+        help="Reference where no previous frame counts, in units of D.",
+    ),
+    click.option(
+        "--floor", type=int, default=_USUAL.floor, show_default=True, help="The reference is never below it."
+    ),
+)
+
+image_argument = click.argument("image", type=click.Path(path_type=Path))
+
+
+def output_option(default: str | None, text: str) -> Callable[[Command], Command]:
+    """``--output DIR``."""
+    return click.option(
+        "--output",
+        "-o",
+        type=click.Path(path_type=Path),
+        metavar="DIR",
+        default=default,
+        show_default=default is not None,
+        help=text,
+    )
+
+
+def parameters_from(options: dict[str, Any], *, hardware: bool) -> Parameters:
+    """The detector that the command line describes; :class:`BadInput` if there is no such detector."""
+    changes = {field: options[field] for field in _DETECTOR if options.get(field) is not None}
+    if hardware and changes.get("fit") == "printed":
+        allowed = ", ".join(fit for fit in get_args(Fit) if fit != "printed")
+        raise BadInput(f"fit is 'printed', which only the golden model has; allowed in hardware: {allowed}")
+    with bad_input():
+        return profile(options["profile"], **changes)
+
+
+def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
+    """The thresholds that the command line asks for; corners that the texture filter rejects are reported."""
+    with bad_input():
+        settings = Settings(**{field: options[field] for field in _THRESHOLDS}, report_rejected=True)
+        settings.check(parameters)
+    return settings

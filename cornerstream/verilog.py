@@ -1,0 +1,44 @@
+"""``cornerstream verilog``: the core as Verilog."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cornerstream import console
+from cornerstream.errors import Failed, bad_input, one_line
+from cornerstream.files import prepare_folder, write_all
+from cornerstream.options import detector_options, parameters_from
+
+
+@click.command(short_help="The core as Verilog.")
+@detector_options
+@click.option("--pixel-bits", type=int, default=8, show_default=True, help="Width of a pixel, 4 to 10.")
+@click.option("--output", "-o", type=click.Path(path_type=Path), metavar="FILE", help="Default: stdout.")
+def verilog(output: Path | None, **options: Any) -> None:
+    """Write the core as Verilog-2001, one file, top module 'cornerstream'.
+
+    \b
+    Examples:
+      cornerstream verilog -o cornerstream.v
+      cornerstream verilog --profile robust --max-width 1280 --max-height 720 -o corners720.v
+    """
+    from flow.verilog import VerilogError, emit_verilog
+
+    parameters = parameters_from(options, hardware=True)
+    if output is not None:
+        prepare_folder(output.parent)
+    with console.activity("Generating Verilog"):
+        try:
+            with bad_input():
+                text = emit_verilog(parameters)
+        except VerilogError as error:
+            raise Failed(f"Yosys: {one_line(error)}") from error
+    if output is None:
+        sys.stdout.write(text)
+    else:
+        write_all({output: text.encode()})
+        console.files_written([output])

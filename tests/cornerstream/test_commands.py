@@ -1,0 +1,149 @@
+"""The commands on good input."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from PIL import Image
+
+import cornerstream.simulation
+from cornerstream.cli import main
+from cornerstream.picture import ACCEPTED, REJECTED
+from flow.version import VERSION
+from golden import Corners, Parameters, Settings, StreamModel, detect
+from sim import Mismatch
+from tests.photographs import photograph
+
+WIDTH, HEIGHT = 40, 30
+SIZE = ("--max-width", str(WIDTH), "--max-height", str(HEIGHT))
+
+
+@pytest.fixture(autouse=True)
+def image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> np.ndarray:
+    """``grey.png`` in the working directory: part of a photograph with corners of both kinds."""
+    part = photograph("camera")[230 : 230 + HEIGHT, 170 : 170 + WIDTH]
+    Image.fromarray(part).save(tmp_path / "grey.png")
+    monkeypatch.chdir(tmp_path)
+    return part
+
+
+def run(*arguments: str, code: int = 0) -> Result:
+    result = CliRunner().invoke(main, arguments, prog_name="cornerstream")
+    assert result.exit_code == code, result.output
+    return result
+
+
+def table(path: str) -> list[dict[str, float]]:
+    with open(path, newline="") as file:
+        return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+
+
+def as_table(corners: Corners) -> list[dict[str, float]]:
+    names = ("x", "y", "response", "accepted", "clamped", "not_maximum")
+    columns = (
+        corners.x,
+        corners.y,
+        corners.response,
+        corners.accepted,
+        corners.flags & 1,
+        corners.flags >> 1 & 1,
+    )
+    return [dict(zip(names, map(float, row), strict=True)) for row in zip(*columns, strict=True)]
+
+
+def test_detect_writes_the_golden_models_corners(image: np.ndarray) -> None:
+    result = run("detect", "grey.png", "-o", "out")
+    corners = detect(image, settings=Settings(report_rejected=True))
+    assert table("out/corners.csv") == as_table(corners)
+    accepted, rejected = int(corners.accepted.sum()), int((~corners.accepted).sum())
+    assert accepted > 0 and rejected > 0
+    assert f"{WIDTH}x{HEIGHT}" in result.stdout and f" {accepted} " in result.stdout
+    assert result.stderr == "Written: out/corners.csv, out/corners.png\n"
+
+
+def test_picture_has_both_colours() -> None:
+    run("detect", "grey.png")
+    with Image.open("build/corners.png") as picture:
+        pixels = np.asarray(picture)
+    for colour in (ACCEPTED, REJECTED):
+        assert (pixels == colour).all(axis=-1).sum() > 20
+
+
+def test_detect_as_json(image: np.ndarray) -> None:
+    result = run("detect", "grey.png", "--json", "--fit", "printed", "--sigma1", "0.3")
+    found = json.loads(result.stdout)
+    settings = Settings(sigma1=0.3, report_rejected=True)
+    corners = detect(image, Parameters(fit="printed"), settings)
+    assert (found["image"], found["width"], found["height"]) == ("grey.png", WIDTH, HEIGHT)
+    assert [{k: float(v) for k, v in corner.items()} for corner in found["corners"]] == as_table(corners)
+    # files only where they are asked for
+    assert [path.name for path in Path().iterdir()] == ["grey.png"]
+
+
+def test_conversion_is_said_in_a_line() -> None:
+    Image.new("RGB", (20, 20), "red").save("colour.png")
+    result = run("detect", "colour.png", "--json")
+    line = "colour image: converted to grey by BT.601 (0.299 R + 0.587 G + 0.114 B)"
+    assert result.stderr == f"colour.png: {line}\n"
+    assert json.loads(result.stdout)["corners"] == []
+
+
+@pytest.mark.parametrize("stalls", [[], ["--stall-input", "0.3", "--stall-output", "0.4", "--seed", "9"]])
+def test_simulate(image: np.ndarray, stalls: list[str]) -> None:
+    result = run("simulate", "grey.png", "--engine", "amaranth", "-o", "out", *SIZE, *stalls)
+    model, settings = StreamModel(Parameters()), Settings(report_rejected=True)
+    corners = [model.process(image, settings).corners for _ in range(2)][-1]
+    assert table("out/corners.csv") == as_table(corners)
+    assert Path("out/corners.png").is_file()
+    rows = [line.split("│")[1:-1] for line in result.stdout.splitlines() if line.startswith("│")]
+    assert [row[0].strip() for row in rows] == ["0", "1"]
+    for row in rows:
+        assert row[1].strip() == f"{WIDTH}x{HEIGHT}" and row[6].strip() == "0"
+        assert (row[3].strip() == "1.000") == (not stalls)
+    assert rows[1][4].strip() == str(corners.accepted.sum())
+    assert "clocks/s" in result.stdout and "Written: out/corners.csv" in result.stderr
+
+
+def test_waves_are_written_with_a_signal_list() -> None:
+    options = ("--profile", "robust", "--frames", "1", "--vcd", "waves/w.vcd", "--vcd-clocks", "50")
+    result = run("simulate", "grey.png", "--engine", "amaranth", *SIZE, *options)
+    assert Path("waves/w.vcd").stat().st_size > 0
+    assert "i__valid" in Path("waves/w.gtkw").read_text()
+    assert "waves/w.vcd, waves/w.gtkw" in result.stderr
+
+
+def test_mismatches_are_told_and_end_with_code_1(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        cornerstream.simulation, "compare", lambda *_: [Mismatch(0, 3, 5, 6), Mismatch(0, 4, None, 1)]
+    )
+    result = run("simulate", "grey.png", "--engine", "amaranth", "--frames", "1", *SIZE, code=1)
+    rows = [line.split("│")[-2].strip() for line in result.stdout.splitlines() if line.startswith("│")]
+    assert rows == ["2"]
+    assert (
+        "Error: hardware and golden model differ: 2 mismatches: 1 wrong, 0 missing, 1 surplus"
+        in result.stderr
+    )
+    assert "frame 0, record 3: expected" in result.stderr
+
+
+def test_verilog_to_a_file_and_to_stdout() -> None:
+    run("verilog", *SIZE, "-o", "sub/core.v")
+    text = Path("sub/core.v").read_text()
+    assert "\nmodule cornerstream(" in text and f"max_width = {WIDTH}\n" in text
+    assert run("verilog", *SIZE).stdout == text
+
+
+def test_version() -> None:
+    assert run("--version").stdout == f"cornerstream, version {VERSION}\n"
+
+
+@pytest.mark.parametrize("command", [[], ["simulate"], ["detect"], ["verilog"], ["bench"]])
+def test_help(command: list[str]) -> None:
+    result = run(*command, "--help")
+    assert result.stdout.startswith("Usage: cornerstream")
+    assert command == ["bench"] or "Examples:\n" in result.stdout

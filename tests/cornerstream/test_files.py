@@ -1,0 +1,132 @@
+"""Tables and pictures: contents, and that nothing is ever half written."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from cornerstream.errors import BadInput
+from cornerstream.files import corners_csv, corners_json, prepare_folder, write_all, write_results
+from cornerstream.picture import ACCEPTED, REJECTED, draw_corners, scale_for
+from golden import Corners, Flag
+
+CORNERS = Corners(
+    x=np.array([10.5, 20.0078125, 30.0]),
+    y=np.array([12.0, 25.9921875, 8.25]),
+    response=np.array([130050, 7, 400]),
+    flags=np.array([0, Flag.CLAMPED | Flag.TEXTURED, Flag.NOT_MAXIMUM], dtype=np.uint8),
+)
+NO_CORNERS = Corners(*(np.array([], dtype=kind) for kind in (float, float, np.int64, np.uint8)))
+
+
+def count(picture: Image.Image, colour: tuple[int, int, int]) -> int:
+    return int((np.asarray(picture) == colour).all(axis=-1).sum())
+
+
+def test_csv() -> None:
+    assert corners_csv(CORNERS) == (
+        "x,y,response,accepted,clamped,not_maximum\n"
+        "10.5000000,12.0000000,130050,1,0,0\n"
+        "20.0078125,25.9921875,7,0,1,0\n"
+        "30.0000000,8.2500000,400,1,0,1\n"
+    )
+
+
+def test_csv_holds_positions_exactly() -> None:
+    steps = np.arange(0, 8192, 1 / 128)[-1000:]
+    same = np.zeros(len(steps), dtype=np.int64)
+    text = corners_csv(Corners(steps, steps, same, same.astype(np.uint8)))
+    assert [float(row["x"]) for row in csv.DictReader(io.StringIO(text))] == steps.tolist()
+
+
+def test_csv_without_corners_is_its_heading() -> None:
+    assert corners_csv(NO_CORNERS) == "x,y,response,accepted,clamped,not_maximum\n"
+
+
+def test_json() -> None:
+    found = json.loads(corners_json(CORNERS, width=40))
+    assert found["width"] == 40
+    assert found["corners"][1] == {
+        "x": 20.0078125,
+        "y": 25.9921875,
+        "response": 7,
+        "accepted": False,
+        "clamped": True,
+        "not_maximum": False,
+    }
+
+
+@pytest.mark.parametrize(
+    ("size", "scale"), [((1920, 1080), 1), ((1000, 20), 1), ((512, 512), 2), ((40, 15), 8), ((166, 150), 7)]
+)
+def test_scale(size: tuple[int, int], scale: int) -> None:
+    assert scale_for(*size) == scale
+
+
+def test_picture_shows_both_kinds() -> None:
+    picture = draw_corners(np.full((30, 40), 128, np.uint8), CORNERS)
+    scale = scale_for(40, 30)
+    assert picture.width >= 40 * scale and picture.height > 30 * scale
+    # two rings and one cross, and each once more in the legend
+    assert count(picture, ACCEPTED) > 40 and count(picture, REJECTED) > 20
+    ring = np.asarray(picture)[round(12.5 * scale - 0.5), round(11 * scale - 0.5) + 5]
+    assert np.abs(ring.astype(int) - ACCEPTED).max() < 60
+
+
+def test_picture_is_the_photograph_where_nothing_is_drawn() -> None:
+    random = np.random.default_rng(1)
+    photo = random.integers(0, 256, (200, 1200), dtype=np.uint8)
+    drawn = np.asarray(draw_corners(photo, NO_CORNERS))[:200, :1200]
+    assert (drawn == photo[..., None]).all()
+
+
+def test_marks_at_the_edges_are_cut_off() -> None:
+    at_edges = Corners(
+        x=np.array([0.0, 1199.0, 0.0]),
+        y=np.array([0.0, 15.0, 15.0]),
+        response=np.array([1, 1, 1]),
+        flags=np.array([0, 0, Flag.TEXTURED], dtype=np.uint8),
+    )
+    assert draw_corners(np.zeros((16, 1200), np.uint8), at_edges).width == 1200
+
+
+def test_results_are_written(tmp_path: Path) -> None:
+    paths = write_results(tmp_path, np.zeros((30, 40), np.uint8), CORNERS)
+    assert [path.name for path in paths] == ["corners.csv", "corners.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["corners.csv", "corners.png"]
+    assert paths[0].read_text() == corners_csv(CORNERS)
+    with Image.open(paths[1]) as picture:
+        assert picture.mode == "RGB"
+
+
+def test_files_have_the_usual_permissions(tmp_path: Path) -> None:
+    plain = tmp_path / "plain"
+    plain.touch()
+    write_all({tmp_path / "written": b"x"})
+    assert (tmp_path / "written").stat().st_mode == plain.stat().st_mode
+
+
+def test_nothing_is_left_of_a_failed_write(tmp_path: Path) -> None:
+    old = tmp_path / "a"
+    old.write_text("old")
+    with pytest.raises(BadInput, match=r"cannot write .*missing"):
+        write_all({old: b"new", tmp_path / "missing" / "b": b"new"})
+    assert os.listdir(tmp_path) == ["a"] and old.read_text() == "old"
+
+
+def test_folder_is_made_and_left_empty(tmp_path: Path) -> None:
+    prepare_folder(tmp_path / "one" / "two")
+    assert list((tmp_path / "one" / "two").iterdir()) == []
+
+
+def test_folder_below_a_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(BadInput, match=r"cannot write to .*file.*; allowed: a folder that can be written"):
+        prepare_folder(tmp_path / "file" / "sub")
