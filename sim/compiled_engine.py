@@ -111,11 +111,12 @@ class CompiledEngine:
         self, component: wiring.Component, *, notify: Callable[[str], None], cache: Path | None = None
     ) -> None:
         self.ports = discover(component)
+        # Before anything that may fail: Amaranth warns of components that are never elaborated.
+        self._rtlil = rtlil.convert(component, name=_TOP, ports=signals(component), emit_src=False)
+        self._present = top_ports(self._rtlil)
         self.name = f"compiled ({find_compiler().label})"
         self._notify = notify
         self._cache = cache
-        self._rtlil = rtlil.convert(component, name=_TOP, ports=signals(component), emit_src=False)
-        self._present = top_ports(self._rtlil)
         self._libraries: dict[bool, ctypes.CDLL] = {}
 
     def _generate(self, folder: Path, *, waves: bool) -> list[str]:
