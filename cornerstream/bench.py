@@ -4,10 +4,43 @@ from __future__ import annotations
 
 import click
 
+from cornerstream.errors import BadInput, Failed, one_line
+from sim import CompilationError, CompilerNotFoundError, SimulationError
+from sim.compiler import find_compiler
+
 
 @click.command(short_help="Speed of golden model and simulators.")
-def bench() -> None:
-    """Measure the golden model against OpenCV, and the simulators, in clocks per second."""
-    from evaluation.speed import main
+@click.option(
+    "--repeats",
+    type=click.IntRange(min=1),
+    default=15,
+    show_default=True,
+    help="Of the golden model and OpenCV.",
+)
+@click.option("--turns", type=click.IntRange(min=1), default=3, show_default=True, help="Of the simulations.")
+@click.option("--no-engines", is_flag=True, help="Leave the simulations out.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
+def bench(repeats: int, turns: int, no_engines: bool, as_json: bool) -> None:
+    """Measure the golden model against OpenCV, and the simulators in clocks per second.
 
-    main()
+    Each pair is timed in turns in one run, on Full HD. Takes a minute or two, and OpenCV
+    (pip install 'cornerstream[eval]').
+
+    \b
+    Examples:
+      cornerstream bench
+      cornerstream bench --no-engines --repeats 50
+      cornerstream bench --json > build/speed.json
+    """
+    from evaluation import speed
+
+    try:
+        speed.opencv()
+        if not no_engines:
+            find_compiler()
+    except (speed.MissingPackageError, CompilerNotFoundError) as error:
+        raise BadInput(one_line(error)) from error
+    try:
+        speed.main(as_json=as_json, repeats=repeats, turns=turns, engines=not no_engines)
+    except (CompilationError, SimulationError) as error:
+        raise Failed(one_line(error)) from error

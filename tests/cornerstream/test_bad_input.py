@@ -179,6 +179,11 @@ def test_no_verilator(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert listing(folder) == before
 
 
+def test_bench_without_opencv(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    check(run("bench"), "OpenCV is not installed", "pip install 'cornerstream[eval]'")
+
+
 def test_as_a_process(folder: Path) -> None:
     root = Path(__file__).parents[2]
     done = subprocess.run(

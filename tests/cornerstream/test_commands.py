@@ -146,4 +146,9 @@ def test_version() -> None:
 def test_help(command: list[str]) -> None:
     result = run(*command, "--help")
     assert result.stdout.startswith("Usage: cornerstream")
-    assert command == ["bench"] or "Examples:\n" in result.stdout
+    assert "Examples:\n" in result.stdout
+
+
+def test_bench() -> None:
+    found = json.loads(run("bench", "--no-engines", "--repeats", "1", "--json").stdout)
+    assert found["golden"]["frame"] == "1920x1080" and found["golden"]["ratio"] > 0

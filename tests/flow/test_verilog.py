@@ -15,12 +15,13 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
-from flow.verilog import convert, emit_verilog
+from flow.verilog import convert, detector_verilog, emit_verilog
 from flow.version import VERSION
-from golden import Parameters, profile
-from sim.engine import make_engine
-from sim.stimulus import Stalls, Stimulus
+from golden import Parameters, Settings, StreamModel, profile
+from hdl.detector import Detector
+from sim import Stalls, Stimulus, compare, make_engine, simulate_frames, summarize
 from sim.verilog_engine import verilator_root
+from tests.photographs import photograph
 
 SMALL = {"max_width": 40, "max_height": 32}
 
@@ -146,6 +147,46 @@ def test_detector_is_verilog_2001(tmp_path: Path) -> None:
 
 def test_detector_keeps_its_table_and_nothing_else() -> None:
     assert len(initialised(emit_verilog(Parameters(**SMALL)))) == 1
+
+
+def noise_at_power_on(text: str) -> tuple[str, int]:
+    """Verilog in which everything without initial contents starts with noise; how many memories have none."""
+    filled = initialised(text)
+    memories = 0
+
+    def fill(match: re.Match[str]) -> str:
+        nonlocal memories
+        declaration, name, depth = match[0], match[1], match[2]
+        if name in filled:
+            return declaration
+        noise = "{16{$random}}"
+        if depth is None:
+            return f"{declaration}  initial {name} = {noise};\n"
+        memories += 1
+        index = f"noise_index_{memories}"
+        loop = f"for ({index} = 0; {index} <= {depth}; {index} = {index} + 1) {name}[{index}] = {noise};"
+        return f"{declaration}  integer {index};\n  initial {loop}\n"
+
+    declared = re.compile(r"^  reg (?:\[\d+:0\] )?(\\\S+ |\w+)(?: \[(\d+):0\])?;\n", re.MULTILINE)
+    return declared.sub(fill, text), memories
+
+
+# line buffers, one bank per row or all rows in one memory, and the queue of notes
+@pytest.mark.parametrize(("name", "written"), [("paper", 4 + 6 + 10 + 1), ("robust", 3 + 1)])
+def test_no_record_depends_on_what_memories_held_at_power_on(tmp_path: Path, name: str, written: int) -> None:
+    parameters = profile(name, **SMALL)
+    detector = Detector(parameters)
+    text, memories = noise_at_power_on(detector_verilog(detector, parameters))
+    assert memories == written
+    path = tmp_path / "noise.v"
+    path.write_text(text)
+    engine = make_engine("verilog", detector, verilog=path, cache=tmp_path)
+    settings = Settings(report_rejected=True)
+    frames = [(photograph("camera")[230:262, 170 : 170 + width], settings) for width in (23, 40, 15)]
+    model = StreamModel(parameters)
+    expected = [model.process(*frame).records for frame in frames]
+    assert sum(map(len, expected)) > 10
+    assert summarize(compare(simulate_frames(engine, frames, parameters), expected)) == ""
 
 
 def test_emission_is_repeatable() -> None:
