@@ -177,8 +177,8 @@ class Settings:
         Names the field, its value and what is allowed.
     """
 
-    sigma1: float = 0.01
-    sigma2: float = 0.2
+    sigma1: float = 0.05
+    sigma2: float = 0.5
     reference: Reference = "previous"
     constant: int = 8192
     floor: int = 1024
