@@ -1,0 +1,1 @@
+"""How good it is: speed now, accuracy and repeatability to come beside it."""
