@@ -93,7 +93,7 @@ def test_default_settings_fit_every_detector() -> None:
         parameters = Parameters(pixel_bits=pixel_bits)
         Settings.default(parameters).check(parameters)
     four = Settings.default(Parameters(pixel_bits=4), sigma1=0.5, floor=3)
-    assert (four.constant, four.floor, four.sigma1, four.sigma2) == (32, 3, 0.5, 0.2)
+    assert four == Settings(sigma1=0.5, constant=32, floor=3)
 
 
 @pytest.mark.parametrize(
