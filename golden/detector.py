@@ -21,7 +21,7 @@ from golden.thresholds import Thresholds, choose_reference, thresholds
 
 RESPONSE_MARGIN = 3
 """Pixels at each edge of a frame that have no response: gradient 1 and smoothing 2."""
-_STRIP_ROWS = 64
+_STRIP_ROWS = 32
 
 
 def check_image(image: object, parameters: Parameters) -> Image:

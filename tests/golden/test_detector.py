@@ -167,7 +167,7 @@ def test_corners_come_in_raster_order(camera: np.ndarray) -> None:
     assert np.abs(corners.y - (rows + 7)).max() == np.abs(corners.x - (columns + 7)).max() == 0.5
 
 
-@pytest.mark.parametrize("height", [15, 64, 69, 70, 71, 133, 134, 135, 198])
+@pytest.mark.parametrize("height", [15, 37, 38, 39, 69, 70, 71, 134, 198])
 def test_strips_leave_no_seam(camera: np.ndarray, height: int) -> None:
     image = camera[200 : 200 + height, 180:240]
     a, b, c = (smooth(product) for product in products(*gradients(image), "signed"))
