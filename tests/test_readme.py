@@ -1,0 +1,101 @@
+# amaranth: UnusedElaboratable=no
+"""What the README states as fact is recomputed here."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from numpy.typing import NDArray
+
+from cornerstream.cli import main
+from golden import Settings, detect, profile
+from golden.divider import worst_error
+from hdl.circular_buffer import CircularBuffer
+from hdl.detector import Detector
+from tests.photographs import photograph
+
+README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+
+
+def rows(first_cell: str) -> list[str]:
+    """Cells, without markup, of the one table row that begins with this cell."""
+    matches = [line for line in README.splitlines() if line.startswith(f"| {first_cell} |")]
+    assert len(matches) == 1, f"{len(matches)} rows begin with {first_cell}"
+    return [cell.strip(" *`") for cell in matches[0].strip("|").split("|")]
+
+
+@pytest.mark.parametrize(("buffering", "column"), [("banked", -2), ("lean", -1)])
+def test_latency_table(buffering: str, column: int) -> None:
+    detector = Detector(profile("paper", buffering=buffering))
+    for name, block in detector.blocks.items():
+        assert rows(name)[column] == str(block.latency)
+    assert rows("**end of frame**")[column].split()[0] == str(detector.latency)
+    if buffering == "banked":
+        assert rows("**end of frame**")[column] == f"{detector.latency} + 3·width - 11"
+        assert detector.frame_latency(100) == detector.latency + 3 * 100 - 11
+    else:
+        assert detector.frame_latency(100) == detector.latency
+
+
+def test_memory_bits() -> None:
+    def bits(name: str) -> int:
+        blocks = Detector(profile(name)).blocks.values()
+        return sum(block.memory_bits for block in blocks if isinstance(block, CircularBuffer))
+
+    lean, banked = bits("robust"), bits("paper")
+    assert f"{lean:,} instead of {banked:,} bits" in README
+    assert f"{round(100 * lean / banked)} % of the memory" in README
+
+
+def test_divider_error() -> None:
+    stated = re.search(r"off by at most (0\.\d+) pixel", README)
+    assert stated and worst_error() <= float(stated[1]) < worst_error() + 1e-4
+
+
+def bright_square(degrees: float) -> NDArray[np.uint8]:
+    """A square of 80 pixels on darker ground, 8x8 samples to the pixel, a third of a pixel off centre."""
+    size, samples, centre = 200, 8, 100.3
+    y, x = (np.mgrid[: size * samples, : size * samples] + 0.5) / samples - 0.5
+    turn = np.deg2rad(degrees)
+    along = (x - centre) * np.cos(turn) + (y - centre) * np.sin(turn)
+    across = (y - centre) * np.cos(turn) - (x - centre) * np.sin(turn)
+    inside = (np.abs(along) < 40) & (np.abs(across) < 40)
+    return (60 + 120 * inside.reshape(size, samples, size, samples).mean((1, 3))).astype(np.uint8)
+
+
+@pytest.mark.parametrize("name", ["paper", "robust"])
+def test_responses_of_a_turned_square(name: str) -> None:
+    angles = [int(cell.strip("°")) for cell in rows("square turned by")[1:]]
+    largest = [
+        int(detect(bright_square(angle), profile(name), Settings(sigma2=15)).response.max())
+        for angle in angles
+    ]
+    assert rows(f"`{name}`")[1:] == [str(value) for value in largest]
+
+
+def test_corner_counts_of_the_example() -> None:
+    camera = photograph("camera")
+    found = detect(camera, settings=Settings(report_rejected=True))
+    accepted, rejected = int(found.accepted.sum()), int((~found.accepted).sum())
+    assert re.search(rf"│ 512x512 │ 262,144 │ +1\.000 │ +{accepted} │ +{rejected} │ +0 │", README)
+
+
+def test_sigma2_as_the_paper_has_it() -> None:
+    strict = Settings(sigma1=0.1, sigma2=0.1, report_rejected=True)
+    assert not detect(photograph("camera"), settings=strict).accepted.any()
+
+
+def test_python_example_runs() -> None:
+    example = re.search(r"```python\n(.*?)```", README, re.DOTALL)
+    assert example
+    exec(compile(example[1], "README.md", "exec"), {})
+
+
+def test_commands_exist() -> None:
+    for command in re.findall(r"^\| `cornerstream (\w+)", README, re.MULTILINE):
+        result = CliRunner().invoke(main, [command, "--help"])
+        assert result.exit_code == 0 and "Examples" in result.output
