@@ -21,6 +21,9 @@ from tests.photographs import photograph
 
 WIDTH, HEIGHT = 40, 30
 SIZE = ("--max-width", str(WIDTH), "--max-height", str(HEIGHT))
+BOTH_KINDS = ("--sigma1", "0.01", "--sigma2", "0.2")
+"""Thresholds at which this image has corners of both kinds."""
+SETTINGS = Settings(sigma1=0.01, sigma2=0.2, report_rejected=True)
 
 
 @pytest.fixture(autouse=True)
@@ -57,8 +60,8 @@ def as_table(corners: Corners) -> list[dict[str, float]]:
 
 
 def test_detect_writes_the_golden_models_corners(image: np.ndarray) -> None:
-    result = run("detect", "grey.png", "-o", "out")
-    corners = detect(image, settings=Settings(report_rejected=True))
+    result = run("detect", "grey.png", "-o", "out", *BOTH_KINDS)
+    corners = detect(image, settings=SETTINGS)
     assert table("out/corners.csv") == as_table(corners)
     accepted, rejected = int(corners.accepted.sum()), int((~corners.accepted).sum())
     assert accepted > 0 and rejected > 0
@@ -67,7 +70,7 @@ def test_detect_writes_the_golden_models_corners(image: np.ndarray) -> None:
 
 
 def test_picture_has_both_colours() -> None:
-    run("detect", "grey.png")
+    run("detect", "grey.png", *BOTH_KINDS)
     with Image.open("build/corners.png") as picture:
         pixels = np.asarray(picture)
     for colour in (ACCEPTED, REJECTED):
@@ -95,9 +98,9 @@ def test_conversion_is_said_in_a_line() -> None:
 
 @pytest.mark.parametrize("stalls", [[], ["--stall-input", "0.3", "--stall-output", "0.4", "--seed", "9"]])
 def test_simulate(image: np.ndarray, stalls: list[str]) -> None:
-    result = run("simulate", "grey.png", "--engine", "amaranth", "-o", "out", *SIZE, *stalls)
-    model, settings = StreamModel(Parameters()), Settings(report_rejected=True)
-    corners = [model.process(image, settings).corners for _ in range(2)][-1]
+    result = run("simulate", "grey.png", "--engine", "amaranth", "-o", "out", *SIZE, *BOTH_KINDS, *stalls)
+    model = StreamModel(Parameters())
+    corners = [model.process(image, SETTINGS).corners for _ in range(2)][-1]
     assert table("out/corners.csv") == as_table(corners)
     assert Path("out/corners.png").is_file()
     rows = [line.split("│")[1:-1] for line in result.stdout.splitlines() if line.startswith("│")]
