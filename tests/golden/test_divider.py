@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from golden.divider import HALF, INDEX_BITS, NUMERATOR_BITS, RECIPROCALS, bit_length, divide, worst_error
 
-
 WORST = worst_error()
 
 

@@ -91,7 +91,7 @@ CornerFields = st.fixed_dictionaries(
 
 
 @given(st.lists(CornerFields, max_size=8))
-def test_round_trip(fields: list[dict]) -> None:  # type: ignore[type-arg]
+def test_round_trip(fields: list[dict]) -> None:
     words = []
     for field in fields:
         clamped, not_maximum = field["fit"]
@@ -112,7 +112,7 @@ def test_end_of_frame_by_hand() -> None:
     word = encode_frame_end(FrameEnd(records=0x00ABCD, frame=0x1234, maximum=0x1FC02))
     assert word == 0b011 << 61 | 0x1FC02 << 40 | 0x1234 << 24 | 0x00ABCD
     assert decode_frame_end(word) == (0x00ABCD, 0x1234, 0x1FC02)
-    assert decode_frame_end(np.uint64(word)) == (0x00ABCD, 0x1234, 0x1FC02)  # type: ignore[arg-type]
+    assert decode_frame_end(np.uint64(word)) == (0x00ABCD, 0x1234, 0x1FC02)
 
 
 @given(st.integers(0, 2**24 - 1), st.integers(0, 2**40), st.integers(0, 2093058))

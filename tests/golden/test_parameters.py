@@ -72,7 +72,7 @@ def test_whole_numbers_of_settings(field: str) -> None:
 
 def test_reference() -> None:
     for value in ("previous", "constant"):
-        assert Settings(reference=value).reference == value  # type: ignore[arg-type]
+        assert Settings(reference=value).reference == value
     assert refusal(Settings, reference="next") == "reference is 'next'; allowed: previous, constant"
 
 
@@ -167,6 +167,6 @@ def test_profiles() -> None:
 
 def test_frozen() -> None:
     with pytest.raises(FrozenInstanceError):
-        Parameters().fit = "six"  # type: ignore[misc]
+        Parameters().fit = "six"
     with pytest.raises(FrozenInstanceError):
-        Settings().sigma1 = 0.5  # type: ignore[misc]
+        Settings().sigma1 = 0.5

@@ -59,7 +59,7 @@ def test_turning_the_image_turns_the_response(image: Image, parameters: Paramete
     # holds for ties and fits that prefer a direction too
     turn_map = TURNS[turn][0]
     responses = response_map(image, parameters)
-    assert (response_map(turn_map(image), parameters) == turn_map(responses)).all()  # type: ignore[arg-type]
+    assert (response_map(turn_map(image), parameters) == turn_map(responses)).all()
 
 
 @given(images(), detectors(), st.data())

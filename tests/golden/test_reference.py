@@ -75,6 +75,17 @@ def test_edges_at_45_degrees() -> None:
     assert reference.response_map(image, "signed")[10, 10] == pytest.approx(96)
 
 
+@pytest.mark.parametrize(("v", "u"), [(0, 1), (1, -1), (1, 0), (1, 1)])
+def test_ties_and_threshold(v: int, u: int) -> None:
+    responses = np.zeros((20, 20))
+    responses[9, 9] = 3.5
+    assert np.argwhere(reference.corner_map(responses, 3.0, "strict")).tolist() == [[9, 9]]
+    assert not reference.corner_map(responses, 3.5, "strict").any()
+    responses[9 + v, 9 + u] = 3.5
+    assert not reference.corner_map(responses, 3.0, "strict").any()
+    assert np.argwhere(reference.corner_map(responses, 3.0, "first")).tolist() == [[9, 9]]
+
+
 @pytest.mark.parametrize("fit", ["nine", "six"])
 def test_peak_of_a_paraboloid(fit: Any) -> None:
     y, x = np.mgrid[-1:2, -1:2]

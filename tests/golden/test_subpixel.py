@@ -47,7 +47,7 @@ PEAK_AT_03_02 = (-1000, -1500, 200, 640, -660, 5000)
 
 
 @pytest.mark.parametrize(("fit", "scale"), [(fit_nine, 12), (fit_six, 2)])
-def test_fit_recovers_the_coefficients_of_a_paraboloid(fit, scale: int) -> None:  # type: ignore[no-untyped-def]
+def test_fit_recovers_the_coefficients_of_a_paraboloid(fit, scale: int) -> None:
     fitted = fit(samples(*PEAK_AT_03_02))
     assert [int(value) for value in fitted] == [scale * value for value in PEAK_AT_03_02[:5]]
 
