@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Mux, ShapeLike, Value
+from amaranth.hdl import C, Cat, Module, Mux, ShapeLike, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -60,8 +60,11 @@ class SquareRoot(wiring.Component):
         remainder: Value = C(0, 1)
         for stage in range(self.latency):
             for _ in range(min(self._bits_per_stage, self._root_bits - len(root))):
-                root, remainder = _step(root, remainder, radicand[-2:])
-                radicand = radicand[:-2]
+                difference = _step(root, remainder, radicand[-2:])
+                # a signal of its own, or each of the next step's uses would repeat this step's logic
+                remainder = Signal(len(difference), name=f"step_{len(root)}")
+                m.d.comb += remainder.eq(difference)
+                root, radicand = Cat(~remainder[-1], root), radicand[:-2]
             root = pipe.register(root, f"root_{stage}")
             remainder = pipe.register(remainder, f"remainder_{stage}")
             radicand = pipe.register(radicand, f"radicand_{stage}")
@@ -73,13 +76,12 @@ class SquareRoot(wiring.Component):
         return m
 
 
-def _step(root: Value, remainder: Value, digit: Value) -> tuple[Value, Value]:
-    """One result bit. ``remainder`` is in two's complement, its top bit the sign."""
+def _step(root: Value, remainder: Value, digit: Value) -> Value:
+    """The next remainder, in two's complement like the one before; the next result bit is its sign, inverted."""
     negative = remainder[-1]
     shifted = Cat(digit, remainder)
     # 4q + 1 or 4q + 3, told apart by bit 1; subtracting is adding the complement and one
     operand = Cat(C(1, 1), negative, root)
     bits = len(root) + 3
     padded = Cat(shifted, *[shifted[-1]] * 2)[:bits]
-    difference = (padded + (Cat(operand, C(0, 1)) ^ Mux(negative, 0, (1 << bits) - 1)) + ~negative)[:bits]
-    return Cat(~difference[-1], root), difference
+    return (padded + (Cat(operand, C(0, 1)) ^ Mux(negative, 0, (1 << bits) - 1)) + ~negative)[:bits]

@@ -1,0 +1,231 @@
+# amaranth: UnusedElaboratable=no
+"""What the tests of the hardware blocks share: packing, rasters, running a block, and what every block keeps.
+
+A block's stimulus and its expected outputs are dictionaries from stream name to beats, as
+:class:`sim.stimulus.Stimulus` takes them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+from amaranth.hdl import Shape
+from amaranth.lib import data, wiring
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from sim.engine import Engine, EngineName, make_engine
+from sim.stimulus import Capture, Stalls, Stimulus
+
+Array = NDArray[Any]
+Words = NDArray[np.uint64]
+Size = tuple[int, int]
+
+ENGINES: tuple[EngineName, ...] = ("compiled", "amaranth")
+NO_STALLS = Stalls()
+STALLS = {
+    "unstalled": NO_STALLS,
+    "input-stalls": Stalls(inputs=0.5, seed=11),
+    "output-stalls": Stalls(outputs=0.5, seed=12),
+    "both-stall": Stalls(inputs=0.3, outputs=0.4, seed=13),
+    "starved": Stalls(inputs=0.9, seed=14),
+    "clogged": Stalls(outputs=0.95, seed=15),
+}
+# Amaranth's simulator is a thousand times slower: one pattern that has everything, and the one for the clocks
+RUNS = [
+    *(("compiled", stalls) for stalls in STALLS.values()),
+    ("amaranth", STALLS["unstalled"]),
+    ("amaranth", STALLS["both-stall"]),
+]
+RUN_IDS = [*(f"compiled-{name}" for name in STALLS), "amaranth-unstalled", "amaranth-both-stall"]
+
+
+@cache
+def engine(name: EngineName, block: Callable[..., wiring.Component], *arguments: Hashable) -> Engine:
+    """``block(*arguments)`` in an engine, made once."""
+    return make_engine(name, block(*arguments))
+
+
+# -- payloads
+
+
+def _leaves(shape: Any, value: Any) -> Iterator[tuple[Array, int]]:
+    if isinstance(shape, data.StructLayout):
+        assert set(value) == {name for name, _ in shape}, f"fields {sorted(value)} do not fit {shape!r}"
+        for name, field in shape:
+            yield from _leaves(field.shape, value[name])
+    elif isinstance(shape, data.ArrayLayout):
+        for k in range(shape.length):
+            yield from _leaves(shape.elem_shape, _element(value, k))
+    else:
+        yield np.asarray(value).astype(np.int64), Shape.cast(shape).width
+
+
+def _element(value: Any, k: int) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _element(part, k) for name, part in value.items()}
+    return value[:, k]
+
+
+def pack(shape: Any, value: Any) -> Words:
+    """Payloads of ``shape``, least significant field first.
+
+    ``value``: per field of a struct an entry of a dictionary, per level of an array one more axis after the
+    first, which counts the beats. Every value must fit its field.
+    """
+    bits = max(1, Shape.cast(shape).width)
+    words: Words | None = None
+    at = 0
+    for leaf, width in _leaves(shape, value):
+        if words is None:
+            words = np.zeros((len(leaf), -(-bits // 64)), np.uint64)
+        masked = leaf.astype(np.uint64) & np.uint64((1 << width) - 1)
+        word, offset = divmod(at, 64)
+        words[:, word] |= masked << np.uint64(offset)
+        if offset + width > 64:
+            words[:, word + 1] |= masked >> np.uint64(64 - offset)
+        at += width
+    assert words is not None and at == Shape.cast(shape).width
+    return words[:, 0] if words.shape[1] == 1 else words
+
+
+def unpack(shape: Any, words: Words, at: int = 0) -> Any:
+    """The reverse of :func:`pack`; leaves are int64."""
+    words = words.reshape(len(words), -1)
+    if isinstance(shape, data.StructLayout):
+        return {name: unpack(field.shape, words, at + field.offset) for name, field in shape}
+    if isinstance(shape, data.ArrayLayout):
+        step = Shape.cast(shape.elem_shape).width
+        return np.stack([unpack(shape.elem_shape, words, at + k * step) for k in range(shape.length)], axis=1)
+    leaf = Shape.cast(shape)
+    word, offset = divmod(at, 64)
+    result = words[:, word] >> np.uint64(offset)
+    if offset + leaf.width > 64:
+        result |= words[:, word + 1] << np.uint64(64 - offset)
+    result = (result & np.uint64((1 << leaf.width) - 1)).astype(np.int64)
+    if leaf.signed:
+        result -= (result >> (leaf.width - 1)) << leaf.width
+    return result
+
+
+# -- rasters
+
+
+def tags(sizes: list[Size]) -> dict[str, Array]:
+    """``eol`` and ``eof`` of frames of these (height, width), one after the other; empty ones have no beats."""
+    eol, eof = [], []
+    for height, width in sizes:
+        ends = np.zeros((max(height, 0), max(width, 0)), np.int64)
+        ends[:, -1:] = 1
+        last = np.zeros_like(ends)
+        last[-1:, -1:] = 1
+        eol.append(ends.reshape(-1))
+        eof.append(last.reshape(-1))
+    return {"eol": np.concatenate(eol), "eof": np.concatenate(eof)}
+
+
+def raster(frames: list[Array]) -> dict[str, Array]:
+    """Fields of a ``Beat`` for each value of these (height, width, ...) frames, one after the other."""
+    values = [frame.reshape(-1, *frame.shape[2:]) for frame in frames]
+    return {"data": np.concatenate(values), **tags([frame.shape[:2] for frame in frames])}
+
+
+def columns(frames: list[Array], rows: int) -> dict[str, Array]:
+    """Fields of ``Columns`` as a circular buffer delivers them: (height-rows+1) rows of width each."""
+    windows = [
+        sliding_window_view(frame, rows, axis=0)
+        if len(frame) >= rows
+        else np.zeros((0, frame.shape[1], rows))
+        for frame in frames
+    ]
+    return raster(windows)
+
+
+def completing(sizes: list[Size], window: int) -> Array:
+    """Numbers of the beats, of frames of these sizes, with which a window of so many columns is complete."""
+    numbers, start = [], 0
+    for height, width in sizes:
+        frame = start + np.arange(height * width).reshape(height, width)
+        numbers.append(frame[:, window - 1 :].reshape(-1))
+        start += height * width
+    return np.concatenate(numbers)
+
+
+def noise(
+    sizes: list[Size], largest: int, seed: int = 0, smallest: int = 0, dtype: type = np.int64
+) -> list[Array]:
+    """A frame of random values, both bounds included, for each size."""
+    rng = np.random.default_rng(seed)
+    return [rng.integers(smallest, largest, size, dtype, endpoint=True) for size in sizes]
+
+
+def extremes(size: Size, largest: int, smallest: int = 0, dtype: type = np.int64) -> list[Array]:
+    """Frames of nothing but the two bounds: flat, checkerboards, stripes both ways, coin tosses, lone values."""
+    y, x = np.mgrid[: size[0], : size[1]]
+    choices = [0 * x, 0 * x + 1]
+    choices += [(x // n + y // n) % 2 for n in (1, 2, 3)]
+    choices += [(x // n + 0 * y) % 2 for n in (1, 2)] + [(y // n + 0 * x) % 2 for n in (1, 2)]
+    choices += [np.random.default_rng(size).integers(0, 2, size)]
+    choices += [(x == size[1] // 2) & (y == size[0] // 2), (x != size[1] // 2) | (y != size[0] // 2)]
+    return [np.where(choice, largest, smallest).astype(dtype) for choice in choices]
+
+
+# -- running
+
+
+def run(
+    runner: Engine,
+    inputs: Mapping[str, Words],
+    expected: Mapping[str, Words],
+    stalls: Stalls = NO_STALLS,
+    *,
+    levels: list[tuple[int, dict[str, int]]] | None = None,
+) -> Capture:
+    """Run and compare every output stream with what is expected, beat by beat, and that all inputs were taken."""
+    quiet = 20 * int(1 / ((1 - stalls.inputs) * (1 - stalls.outputs))) + 200
+    capture = runner.run(Stimulus(inputs, levels or [], stalls), quiet=quiet)
+    assert set(capture.outputs) == set(expected)
+    for name, words in expected.items():
+        same(name, capture.outputs[name], words)
+    return capture
+
+
+def same(name: str, got: Words, expected: Words) -> None:
+    """Assert that two streams are equal; says where the first difference is."""
+    common = min(len(got), len(expected))
+    differ = (got[:common] != expected[:common]).reshape(common, -1).any(axis=1)
+    first = int(np.argmax(differ)) if differ.any() else common
+    assert not differ.any(), (
+        f"{name}: beat {first} of {len(expected)} is {_hex(got[first])}, expected {_hex(expected[first])}; "
+        f"{int(differ.sum())} differ"
+    )
+    assert len(got) == len(expected), f"{name}: {len(got)} beats, expected {len(expected)}"
+
+
+def _hex(word: Any) -> str:
+    return "_".join(f"{int(part):016x}" for part in reversed(np.atleast_1d(word)))
+
+
+def latency(capture: Capture, beats: Array | None = None, *, i: str = "i", o: str = "o") -> Array:
+    """Clocks from input to output beat; ``beats`` are the inputs' numbers that the outputs belong to."""
+    accepted = capture.input_clocks[i]
+    return capture.output_clocks[o] - (accepted if beats is None else accepted[beats])
+
+
+def assert_timing(
+    capture: Capture,
+    expected: int,
+    beats: Array | None = None,
+    *,
+    i: str = "i",
+    o: str = "o",
+    clocks: int = 1,
+) -> None:
+    """Every output beat exactly so long after its input beat; an input beat every ``clocks`` clocks."""
+    got = latency(capture, beats, i=i, o=o)
+    assert len(got) and (got == expected).all(), f"latency {got.min()} to {got.max()}, expected {expected}"
+    steps = np.diff(capture.input_clocks[i])
+    assert (steps == clocks).all(), f"an input beat waited {steps.max() - clocks} clocks"

@@ -1,0 +1,120 @@
+# amaranth: UnusedElaboratable=no
+"""Square root: every radicand where they are few, and the edges of every root where they are many."""
+
+from __future__ import annotations
+
+from math import isqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from amaranth.back import rtlil
+from amaranth.hdl import Module
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+from numpy.typing import NDArray
+
+from golden.square_root import li_chu
+from hdl.square_root import SquareRoot
+from hdl.stream import Delay, fork, join
+from sim.engine import EngineName
+from sim.stimulus import Stalls
+from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Words, assert_timing, engine, pack, run
+
+ASIDE = 5
+SHAPES = [(1, 1), (2, 3), (5, 2), (6, 4), (8, 1), (8, 3), (9, 5), (21, 4), *((17, k) for k in range(1, 6))]
+WIDEST = 21
+
+
+class Roots(wiring.Component):
+    """Square roots of many shapes on the low bits of one radicand, in step, so that one compilation does."""
+
+    latency = WIDEST
+
+    def __init__(self) -> None:
+        self.roots = data.StructLayout({f"r{bits}_{per_stage}": bits for bits, per_stage in SHAPES})
+        super().__init__(
+            {"i": In(stream.Signature(2 * WIDEST)), "o": Out(stream.Signature(self.roots))},
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        blocks, delays = [], []
+        for bits, per_stage in SHAPES:
+            block = SquareRoot(bits, per_stage)
+            delay = Delay(block.o.payload.shape(), self.latency - block.latency)
+            m.submodules[f"root_{bits}_{per_stage}"] = block
+            m.submodules[f"delay_{bits}_{per_stage}"] = delay
+            wiring.connect(m, block.o, delay.i)
+            m.d.comb += [
+                block.i.payload.radicand.eq(self.i.payload[: 2 * bits]),
+                self.o.payload[f"r{bits}_{per_stage}"].eq(delay.o.payload.root),
+            ]
+            blocks.append(block)
+            delays.append(delay)
+        fork(m, self.i, [block.i for block in blocks])
+        join(m, [delay.o for delay in delays], self.o)
+        return m
+
+
+def some_radicands(root_bits: int, count: int) -> NDArray[np.int64]:
+    """Zero, full scale, k² - 1 and k² and k² + 2k around roots of all lengths, and random ones."""
+    rng = np.random.default_rng(root_bits)
+    top = (1 << root_bits) - 1
+    near = {k for n in range(root_bits) for k in (1 << n, (2 << n) - 1)}
+    near |= set(rng.integers(1, top + 1, count // 4).tolist())
+    around = [value for k in sorted(near) for value in (k * k - 1, k * k, k * k + 2 * k)]
+    many = rng.integers(0, 1 << (2 * root_bits), count // 4).tolist()
+    return np.array([0, 1, 2, 3, (top + 1) ** 2 - 1, *around, *many], np.int64)
+
+
+def floor_roots(radicand: NDArray[np.int64]) -> NDArray[np.int64]:
+    return np.array([isqrt(value) for value in radicand.tolist()], np.int64)
+
+
+@pytest.mark.parametrize(
+    "radicand",
+    [np.arange(1 << 18), some_radicands(17, 60_000), some_radicands(21, 30_000)],
+    ids=["every one of 18 bits", "34 bits", "42 bits"],
+)
+def test_every_shape(radicand: NDArray[np.int64]) -> None:
+    expected = {}
+    for bits, per_stage in SHAPES:
+        low = radicand & ((1 << (2 * bits)) - 1)
+        expected[f"r{bits}_{per_stage}"] = floor_roots(low)
+        assert np.array_equal(li_chu(low, bits), expected[f"r{bits}_{per_stage}"])
+    wanted = pack(Roots().roots, expected)
+    capture = run(engine("compiled", Roots), {"i": radicand.astype(np.uint64)}, {"o": wanted})
+    assert_timing(capture, Roots.latency)
+
+
+def streams(radicand: NDArray[np.int64], root_bits: int) -> tuple[dict[str, Words], dict[str, Words]]:
+    block = SquareRoot(root_bits, 1, ASIDE)
+    aside = np.arange(len(radicand)) * 7 % (1 << ASIDE)
+    given = pack(block.i.payload.shape(), {"radicand": radicand, "aside": aside})
+    expected = pack(block.o.payload.shape(), {"root": floor_roots(radicand), "aside": aside})
+    return {"i": given}, {"o": expected}
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+def test_stalls(name: EngineName, stalls: Stalls) -> None:
+    radicand = some_radicands(17, 4000 if name == "compiled" else 200)
+    capture = run(engine(name, SquareRoot, 17, 3, ASIDE), *streams(radicand, 17), stalls)
+    if stalls == NO_STALLS:
+        assert_timing(capture, 6)
+
+
+@pytest.mark.parametrize(("root_bits", "bits_per_stage"), SHAPES)
+def test_latency(root_bits: int, bits_per_stage: int) -> None:
+    block = SquareRoot(root_bits, bits_per_stage, ASIDE)
+    assert block.latency == (root_bits + bits_per_stage - 1) // bits_per_stage
+    given, expected = streams(some_radicands(root_bits, 40), root_bits)
+    capture = run(engine("amaranth", SquareRoot, root_bits, bits_per_stage, ASIDE), given, expected)
+    assert_timing(capture, block.latency)
+
+
+def test_more_bits_per_stage_do_not_multiply_the_logic() -> None:
+    """A step's result is used several times by the next one: it must be made only once."""
+    one = len(rtlil.convert(SquareRoot(17, 1), name="one", emit_src=False))
+    all_at_once = len(rtlil.convert(SquareRoot(17, 17), name="all_at_once", emit_src=False))
+    assert all_at_once < one
