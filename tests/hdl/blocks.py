@@ -196,7 +196,7 @@ def run(
 def same(name: str, got: Words, expected: Words) -> None:
     """Assert that two streams are equal; says where the first difference is."""
     common = min(len(got), len(expected))
-    differ = (got[:common] != expected[:common]).reshape(common, -1).any(axis=1)
+    differ = (got[:common] != expected[:common]).any(axis=tuple(range(1, got.ndim)))
     first = int(np.argmax(differ)) if differ.any() else common
     assert not differ.any(), (
         f"{name}: beat {first} of {len(expected)} is {_hex(got[first])}, expected {_hex(expected[first])}; "

@@ -1,0 +1,108 @@
+# amaranth: UnusedElaboratable=no
+"""Response: D of smoothed tensors, real and made up, against the golden model."""
+
+from __future__ import annotations
+
+from math import isqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from golden.convolution import smooth
+from golden.parameters import Gradient, Parameters
+from golden.preprocessing import gradients, products
+from golden.response import response
+from hdl.response import Response
+from sim.engine import EngineName
+from sim.stimulus import Capture, Stalls
+from tests.hdl.blocks import (
+    NO_STALLS,
+    RUN_IDS,
+    RUNS,
+    Array,
+    assert_timing,
+    engine,
+    extremes,
+    noise,
+    pack,
+    raster,
+    run,
+)
+
+ABSOLUTE = Parameters()
+SIGNED = Parameters(gradient="signed", sqrt_bits_per_stage=3)
+SHALLOW = Parameters(gradient="absolute", pixel_bits=4, sqrt_bits_per_stage=17)
+WIDE = Parameters(gradient="signed", pixel_bits=10, sqrt_bits_per_stage=4)
+DETECTORS = {"absolute": ABSOLUTE, "signed": SIGNED, "4-bit": SHALLOW, "10-bit": WIDE}
+
+
+def check(
+    parameters: Parameters, tensors: list[Array], name: EngineName = "compiled", stalls: Stalls = NO_STALLS
+) -> Capture:
+    """``tensors``: frames (height, width, 3) of A, B and C."""
+    block = Response(parameters)
+    tagged = raster(tensors)
+    tagged["data"] = {name: tagged["data"][:, k] for k, name in enumerate("abc")}
+    responses = [response(frame[..., 0], frame[..., 1], frame[..., 2]) for frame in tensors]
+    expected = pack(block.o.payload.shape(), raster(responses))
+    runner = engine(name, Response, parameters)
+    capture = run(runner, {"i": pack(block.i.payload.shape(), tagged)}, {"o": expected}, stalls)
+    if stalls == NO_STALLS:
+        assert_timing(capture, block.latency)
+    return capture
+
+
+def smoothed(images: list[Array], gradient: Gradient) -> list[Array]:
+    return [
+        np.stack([smooth(product) for product in products(*gradients(image), gradient)], axis=-1)
+        for image in images
+    ]
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+@pytest.mark.parametrize("parameters", [ABSOLUTE, SIGNED], ids=["absolute", "signed"])
+def test_noise(parameters: Parameters, name: EngineName, stalls: Stalls) -> None:
+    sizes = [(40, 50), (7, 7), (20, 31)] if name == "compiled" else [(9, 10), (7, 7)]
+    images = noise(sizes, 255, dtype=np.uint8)
+    check(parameters, smoothed(images, parameters.gradient), name, stalls)
+
+
+@pytest.mark.parametrize("parameters", DETECTORS.values(), ids=DETECTORS.keys())
+def test_extremes(parameters: Parameters) -> None:
+    images = extremes((16, 18), parameters.pixel_max, dtype=np.uint16)
+    images += noise([(40, 40)], parameters.pixel_max, 3, dtype=np.uint16)
+    check(parameters, smoothed(images, parameters.gradient))
+
+
+@pytest.mark.parametrize("parameters", DETECTORS.values(), ids=DETECTORS.keys())
+@given(data=st.data())
+@settings(max_examples=30)
+def test_any_tensor(parameters: Parameters, data: st.DataObject) -> None:
+    """Tensors up to the ends of the format, C up to the root of AB, half of them with C at that root."""
+    rng = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))
+    top = data.draw(st.sampled_from([1, 2, 7, parameters.product_max]))
+    a, b = rng.integers(0, top, (2, 200), endpoint=True)
+    limit = np.array([isqrt(x * y) for x, y in zip(a.tolist(), b.tolist(), strict=True)])
+    c = np.where(rng.random(200) < 0.5, limit, rng.integers(0, limit, endpoint=True))
+    if parameters.gradient == "signed":
+        c *= rng.choice([-1, 1], 200)
+    check(parameters, [np.stack([a, b, c], axis=-1)[None]])
+
+
+@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+def test_by_hand(name: EngineName) -> None:
+    """Roots of 0, 5, 9, 25, 0 and the largest; the fifth is one too large by rounding: -1 is clamped."""
+    full = ABSOLUTE.product_max
+    tensors = [(10, 10, 0, 20), (8, 3, 0, 6), (9, 6, 4, 7), (10, 3, 12, 0), (1, 0, 1, 0)]
+    tensors += [(full, full, 0, 2 * full), (full, full, full, 0), (full, 0, 0, 0), (0, 0, 0, 0)]
+    frame = np.array(tensors)[None]
+    assert response(*(frame[..., k] for k in range(3))).tolist() == [[row[3] for row in tensors]]
+    check(ABSOLUTE, [frame[..., :3]], name)
+
+
+def test_latency() -> None:
+    """Operands 2, 16-bit square 4, sum 1; root 17, or in steps of three bits 6; difference 2."""
+    assert Response(ABSOLUTE).latency == 2 + 4 + 1 + 17 + 2
+    assert Response(SIGNED).latency == 2 + 4 + 1 + 6 + 2
