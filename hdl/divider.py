@@ -32,7 +32,7 @@ class Divider(wiring.Component):
     Parameters
     ----------
     bits
-        Width of numerator and denominator, unsigned; the denominator must not be 0.
+        Width of numerator and denominator, unsigned, at least NUMERATOR_BITS + 1; the denominator must not be 0.
     aside
         Shape of a value that travels along unchanged.
 
@@ -45,6 +45,9 @@ class Divider(wiring.Component):
     """
 
     def __init__(self, bits: int, aside: ShapeLike = 1) -> None:
+        if bits <= NUMERATOR_BITS:
+            # what is cut from the top would lie too low
+            raise ValueError(f"bits is {bits}; allowed: whole numbers from {NUMERATOR_BITS + 1}")
         self._bits = bits
         super().__init__(
             {
