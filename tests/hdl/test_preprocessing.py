@@ -51,7 +51,7 @@ def streams(
 @pytest.mark.parametrize("gradient", GRADIENTS)
 def test_products(gradient: Gradient, name: EngineName, stalls: Stalls) -> None:
     parameters = Parameters(gradient=gradient)
-    sizes = SIZES if name == "compiled" else SIZES[:1] + [(5, 9)]
+    sizes = SIZES if name == "compiled" else [*SIZES[:1], (5, 9)]
     frames = noise(sizes, 255, dtype=np.uint8)
     compiled, amaranth, given, expected = streams(frames, parameters)
     capture = run(compiled if name == "compiled" else amaranth, given, expected, stalls)

@@ -1,0 +1,108 @@
+# amaranth: UnusedElaboratable=no
+"""Corner detection: strict maxima above T1, both tie rules, and the patch that goes along."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.lib.stride_tricks import sliding_window_view
+
+from golden.corner_detection import corner_detection
+from golden.parameters import Parameters, Ties
+from hdl.corner_detection import CornerDetection
+from sim.engine import EngineName
+from sim.stimulus import Capture, Stalls
+from tests.hdl.blocks import (
+    NO_STALLS,
+    RUN_IDS,
+    RUNS,
+    Array,
+    assert_timing,
+    columns,
+    completing,
+    engine,
+    extremes,
+    noise,
+    pack,
+    raster,
+    run,
+)
+
+TIES: list[Ties] = ["strict", "first"]
+FULL = Parameters().response_max
+
+
+def check(
+    ties: Ties,
+    frames: list[Array],
+    t1: list[int],
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+    pixel_bits: int = 8,
+) -> Capture:
+    """Frames of responses, of which each three rows are taken as the middle ones of a window."""
+    parameters = Parameters(ties=ties, pixel_bits=pixel_bits)
+    block = CornerDetection(parameters)
+    # the centres lie four columns inside
+    inner = [frame[:, 3:-3] for frame in frames]
+    patches = raster([sliding_window_view(frame, (3, 3)) for frame in inner])
+    corners = raster([corner_detection(f, limit, ties) for f, limit in zip(inner, t1, strict=True)])
+    patches["data"] = {"corner": corners["data"], "patch": patches["data"]}
+    capture = run(
+        engine(name, CornerDetection, parameters),
+        {"i": pack(block.i.payload.shape(), columns(frames, 3)), "t1": np.array(t1, np.uint64)},
+        {"o": pack(block.o.payload.shape(), patches)},
+        stalls,
+    )
+    if stalls == NO_STALLS:
+        sizes = [(len(frame) - 2, frame.shape[1]) for frame in frames]
+        assert_timing(capture, CornerDetection.latency, completing(sizes, 9))
+        # T1 goes with the frame's last column
+        ends = np.cumsum([height * width for height, width in sizes]) - 1
+        assert np.array_equal(capture.input_clocks["t1"], capture.input_clocks["i"][ends])
+    return capture
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+@pytest.mark.parametrize("ties", TIES)
+def test_noise(ties: Ties, name: EngineName, stalls: Stalls) -> None:
+    """Few values give ties in plenty; T1 cuts through them and changes from frame to frame."""
+    sizes = [(20, 30), (3, 9), (12, 9), (3, 40)]
+    sizes = sizes if name == "compiled" else [(3, 9), (5, 13), (4, 9)]
+    frames, t1 = [], []
+    for seed, largest in enumerate((FULL, 2, 5, 1)):
+        frames += noise(sizes, largest, seed)
+        t1 += [0, largest // 2, 0, largest - 1][: len(sizes)]
+    check(ties, frames, t1, name, stalls)
+
+
+@pytest.mark.parametrize("ties", TIES)
+@pytest.mark.parametrize("pixel_bits", [8, 10])
+def test_extremes(ties: Ties, pixel_bits: int) -> None:
+    full = Parameters(pixel_bits=pixel_bits).response_max
+    frames = extremes((10, 20), full) + extremes((7, 11), full, full - 1)
+    t1 = [(0, full - 1, full)[k % 3] for k in range(len(frames))]
+    check(ties, frames, t1, pixel_bits=pixel_bits)
+
+
+@pytest.mark.parametrize("ties", TIES)
+@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+def test_each_neighbour(ties: Ties, name: EngineName) -> None:
+    """A lone peak of 10 with one neighbour of 9, 10 or 11, in each of the eight places; T1 at 9 and 10."""
+    frames, t1, expected = [], [], []
+    for place in (0, 1, 2, 3, 5, 6, 7, 8):
+        for neighbour, limit in ((9, 9), (10, 9), (11, 9), (9, 10)):
+            patch = np.zeros(9, np.int64)
+            patch[4], patch[place] = 10, neighbour
+            frame = np.zeros((3, 9), np.int64)
+            frame[:, 3:6] = patch.reshape(3, 3)
+            frames.append(frame)
+            t1.append(limit)
+            later_tie = neighbour == 10 and place > 4 and ties == "first"
+            expected.append(limit == 9 and (neighbour == 9 or later_tie))
+    capture = check(ties, frames, t1, name)
+    assert (capture.outputs["o"][:, 0] & np.uint64(1)).tolist() == expected
+
+
+def test_latency() -> None:
+    assert CornerDetection.latency == 1

@@ -1,0 +1,213 @@
+# amaranth: UnusedElaboratable=no
+"""Thresholds: T1 and T2 of every frame, the previous frame's largest response, and who waits for whom."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from amaranth.hdl import Value
+from amaranth.sim import Simulator
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from golden import thresholds as golden
+from golden.parameters import Parameters, Settings
+from hdl.thresholds import Thresholds, settings_layout, thresholds_layout
+from sim.engine import EngineName
+from sim.stimulus import Capture, Stalls
+from tests.hdl.blocks import (
+    NO_STALLS,
+    RUN_IDS,
+    RUNS,
+    Array,
+    Size,
+    Words,
+    assert_timing,
+    completing,
+    engine,
+    noise,
+    pack,
+    raster,
+    run,
+)
+
+PARAMETERS = Parameters()
+PIXELS = Parameters(patches="pixels", pixel_bits=10)
+FULL = PARAMETERS.response_max
+
+Frame = tuple[Array, Settings]
+
+
+def pack_settings(parameters: Parameters, settings: list[Settings]) -> Words:
+    fields = {
+        "sigma1": [each.sigma1_fixed for each in settings],
+        "sigma2": [each.sigma2_fixed for each in settings],
+        "use_constant": [each.reference == "constant" for each in settings],
+        "constant": [each.constant for each in settings],
+        "floor": [each.floor for each in settings],
+        "report_rejected": [each.report_rejected for each in settings],
+    }
+    return pack(settings_layout(parameters), {name: np.array(values) for name, values in fields.items()})
+
+
+def limits(frames: list[Frame], parameters: Parameters) -> list[golden.Thresholds]:
+    previous: int | None = None
+    result = []
+    for responses, settings in frames:
+        reference = golden.choose_reference(settings, previous)
+        result.append(golden.thresholds(settings, reference, parameters))
+        previous = int(responses.max())
+    return result
+
+
+def check(
+    frames: list[Frame],
+    parameters: Parameters = PARAMETERS,
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+) -> Capture:
+    block = Thresholds(parameters)
+    beats = pack(block.i.payload.shape(), raster([responses for responses, _ in frames]))
+    expected = limits(frames, parameters)
+    fields = {
+        "t1": np.array([limit.t1 for limit in expected]),
+        "t2": np.array([limit.t2 for limit in expected]),
+        "report_rejected": np.array([settings.report_rejected for _, settings in frames]),
+    }
+    return run(
+        engine(name, Thresholds, parameters),
+        {"i": beats, "settings": pack_settings(parameters, [settings for _, settings in frames])},
+        {
+            "o": beats,
+            "thresholds": pack(thresholds_layout(parameters), fields),
+            "maximum": np.array([responses.max() for responses, _ in frames], np.uint64),
+        },
+        stalls,
+    )
+
+
+def some_frames(sizes: list[Size], largest: int = FULL, seed: int = 0) -> list[Frame]:
+    """Settings of every kind in turn."""
+    kinds = [
+        Settings(sigma1=0.1, sigma2=0.2, constant=FULL),
+        Settings(sigma1=0.999, sigma2=15.99, report_rejected=True),
+        Settings(sigma1=0.3, sigma2=8, reference="constant", constant=777, floor=1),
+        Settings(sigma1=0, sigma2=0, floor=FULL),
+        Settings(sigma1=0.01, sigma2=1.5, floor=40000, constant=50000),
+    ]
+    return [(responses, kinds[k % len(kinds)]) for k, responses in enumerate(noise(sizes, largest, seed))]
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+def test_frames(name: EngineName, stalls: Stalls) -> None:
+    sizes = [(9, 9), (12, 20), (1, 5), (1, 1), (9, 30), (2, 2), (1, 1), (10, 10)]
+    capture = check(some_frames(sizes if name == "compiled" else sizes[:5]), name=name, stalls=stalls)
+    if stalls == NO_STALLS:
+        assert (capture.output_clocks["o"] == capture.input_clocks["i"]).all()
+
+
+@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+def test_frames_of_detector_size_never_wait(name: EngineName) -> None:
+    """9x9 responses, of a 15x15 frame, are the least there can be."""
+    capture = check(some_frames([(9, 9)] * 8), name=name)
+    assert_timing(capture, Thresholds.latency)
+    first = completing([(9, 9)] * 8, 1)[::81]
+    taken = capture.output_clocks["thresholds"] - capture.input_clocks["i"][first]
+    assert (taken == Thresholds(PARAMETERS).clocks).all()
+    assert (capture.output_clocks["maximum"] == capture.input_clocks["i"][first + 80] + 1).all()
+
+
+@pytest.mark.parametrize("parameters", [PARAMETERS, PIXELS], ids=["regions", "pixels, 10 bits"])
+def test_extremes(parameters: Parameters) -> None:
+    """The largest sigmas times the largest D; and D = 0 with the least floor."""
+    largest = Settings(sigma1=0.99999, sigma2=15.99999, constant=parameters.response_max, floor=1)
+    full, empty = np.full((5, 6), parameters.response_max), np.zeros((5, 6), np.int64)
+    frames = [(full, largest), (full, largest), (empty, largest), (full, largest), (empty, largest)]
+    frames += [(full, replace(largest, reference="constant", constant=1, sigma1=0, sigma2=0))]
+    check(frames, parameters)
+
+
+def test_by_hand() -> None:
+    """Constant, since it is the first; then the 1000 before; then the floor; then the constant, as asked."""
+    peak = np.array([[3, 1000, 7]])
+    low = np.array([[0, 2, 1]])
+    quarter = Settings(sigma1=0.25, sigma2=0.5, constant=400, floor=10)
+    frames = [
+        (peak, quarter),
+        (low, quarter),
+        (peak, quarter),
+        (peak, replace(quarter, reference="constant")),
+        (peak, replace(quarter, reference="constant", floor=500)),
+    ]
+    # T2 is in ninths
+    assert limits(frames, PARAMETERS) == [(100, 1800), (250, 4500), (2, 45), (100, 1800), (125, 2250)]
+    for name in ("compiled", "amaranth"):
+        check(frames, name=name)
+
+
+@given(st.data())
+@hypothesis_settings(max_examples=60)
+def test_any_frames(data: st.DataObject) -> None:
+    response = st.integers(1, FULL)
+    settings = st.builds(
+        Settings,
+        sigma1=st.floats(0, 1, exclude_max=True),
+        sigma2=st.floats(0, 16, exclude_max=True),
+        reference=st.sampled_from(["previous", "constant"]),
+        constant=response,
+        floor=response,
+        report_rejected=st.booleans(),
+    )
+    size = st.tuples(st.integers(1, 6), st.integers(1, 30))
+    drawn = data.draw(st.lists(st.tuples(size, settings), min_size=1, max_size=6))
+    largest = data.draw(st.sampled_from([0, 1, 1000, FULL]))
+    responses = noise([size for size, _ in drawn], largest, len(drawn))
+    chance = st.sampled_from([0.0, 0.3, 0.9, 0.99])
+    stalls = data.draw(st.builds(Stalls, chance, chance, st.integers(0, 1000)))
+    check([(frame, each) for frame, (_, each) in zip(responses, drawn, strict=True)], stalls=stalls)
+
+
+def test_the_next_frame_waits_until_the_thresholds_are_taken() -> None:
+    """Thresholds of the first frame are left alone: all of it passes, the second does not begin, none is lost."""
+    dut = Thresholds(PARAMETERS)
+    frames = some_frames([(3, 12), (3, 12)])
+    beats = pack(dut.i.payload.shape(), raster([responses for responses, _ in frames])).tolist()
+    packed = pack_settings(PARAMETERS, [settings for _, settings in frames])
+    settings = [int.from_bytes(row.tobytes(), "little") for row in packed]
+    waits_until = 500
+    passed: list[tuple[int, int]] = []
+    taken: list[golden.Thresholds] = []
+
+    async def bench(ctx: Any) -> None:
+        ctx.set(dut.o.ready, 1)
+        ctx.set(dut.maximum.ready, 1)
+        left = {dut.i: list(beats), dut.settings: list(settings)}
+        for clock in range(700):
+            for port, values in left.items():
+                ctx.set(port.valid, bool(values))
+                if values:
+                    ctx.set(Value.cast(port.payload), values[0])
+            ctx.set(dut.thresholds.ready, clock >= waits_until)
+            if 100 < clock < waits_until:
+                assert len(passed) == 36 and not ctx.get(dut.i.ready) and not ctx.get(dut.o.valid)
+            if ctx.get(dut.o.valid):
+                passed.append((clock, ctx.get(Value.cast(dut.o.payload))))
+            if clock >= waits_until and ctx.get(dut.thresholds.valid):
+                limit = ctx.get(dut.thresholds.payload)
+                taken.append(golden.Thresholds(limit.t1, limit.t2))
+            for port, values in left.items():
+                if values and ctx.get(port.ready):
+                    values.pop(0)
+            await ctx.tick()
+
+    simulator = Simulator(dut)
+    simulator.add_clock(1e-8)
+    simulator.add_testbench(bench)
+    simulator.run()
+    assert [beat for _, beat in passed] == beats
+    assert [clock for clock, _ in passed[36:]] == list(range(waits_until + 1, waits_until + 37))
+    assert taken == limits(frames, PARAMETERS)
