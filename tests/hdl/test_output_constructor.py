@@ -1,0 +1,127 @@
+# amaranth: UnusedElaboratable=no
+"""Output constructor: records of corners and of frame ends, bit by bit what the golden model encodes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from golden.output_constructor import FRAME_BITS, FrameEnd, decode, decode_frame_end, encode, encode_frame_end
+from golden.parameters import MAX_SIDE, Parameters
+from golden.subpixel import Offset
+from hdl.candidate_selection import note_layout
+from hdl.output_constructor import OutputConstructor, record_layout
+from hdl.subpixel import offset_layout
+from sim.engine import EngineName, SimulationHang
+from sim.stimulus import Capture, Stalls, Stimulus
+from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run, unpack
+
+ABOVE = 7
+"""Least whole coordinate of a corner, so that no offset makes it negative."""
+
+
+def check(
+    counts: list[int],
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+    pixel_bits: int = 8,
+    extreme: bool = False,
+) -> Capture:
+    """Frames of so many random corners; with ``extreme``, of values at their ends."""
+    parameters = Parameters(pixel_bits=pixel_bits)
+    full = parameters.response_max
+    rng = np.random.default_rng(len(counts))
+    total = sum(counts) + len(counts)
+    ends = np.cumsum(np.array(counts) + 1) - 1
+    end = np.zeros(total, np.int64)
+    end[ends] = 1
+
+    def values(low: int, high: int) -> np.ndarray:
+        ends_only = rng.choice([low, high], total)
+        return ends_only if extreme else rng.integers(low, high, total, endpoint=True)
+
+    x, y = values(ABOVE, MAX_SIDE - 2), values(ABOVE, MAX_SIDE - 2)
+    response, textured = values(0, full), values(0, 1)
+    note = {"x": x, "y": y, "response": response, "textured": textured, "end": end}
+    not_maximum = rng.integers(0, 3, total) == 0
+    clamped = (rng.integers(0, 3, total) == 0) & ~not_maximum
+    offset = Offset(values(-64, 64), values(-64, 64), clamped, not_maximum)
+    offsets = {"dx": offset.dx, "dy": offset.dy, "clamped": clamped, "not_maximum": not_maximum}
+    maximum = values(0, full)[: len(counts)]
+
+    record = encode(x, y, response, offset, textured.astype(bool))
+    record[ends] = [
+        encode_frame_end(FrameEnd(count, frame, largest))
+        for frame, (count, largest) in enumerate(zip(counts, maximum.tolist(), strict=True))
+    ]
+    # the record is a whole word, the mark the lowest bit of the next
+    expected = np.stack([record, end.astype(np.uint64)], axis=-1)
+    capture = run(
+        engine(name, OutputConstructor, parameters),
+        {
+            "note": pack(note_layout(parameters), note),
+            "offset": pack(offset_layout(), offsets),
+            "maximum": maximum.astype(np.uint64),
+        },
+        {"o": expected},
+        stalls,
+    )
+    if stalls == NO_STALLS:
+        for stream in ("note", "offset"):
+            assert_timing(capture, OutputConstructor.latency, i=stream)
+        assert np.array_equal(capture.input_clocks["maximum"], capture.input_clocks["note"][ends])
+    return capture
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+def test_frames(name: EngineName, stalls: Stalls) -> None:
+    check([100, 0, 0, 1, 30, 0, 7] if name == "compiled" else [9, 0, 1, 4], name, stalls)
+
+
+@pytest.mark.parametrize("pixel_bits", [8, 10])
+def test_extremes(pixel_bits: int) -> None:
+    """Coordinates, offsets, responses and maxima at both ends: no field spills into its neighbour."""
+    check([500, 0, 200], pixel_bits=pixel_bits, extreme=True)
+
+
+def test_frame_numbers_wrap_and_counts_are_long() -> None:
+    counts = [70_000, *[0] * ((1 << FRAME_BITS) + 3), 2]
+    capture = check(counts)
+    words = capture.outputs["o"][:, 0]
+    assert decode_frame_end(int(words[70_000])).records == 70_000
+    last = decode_frame_end(int(words[-1]))
+    assert (last.records, last.frame) == (2, 4)
+
+
+@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+def test_by_hand(name: EngineName) -> None:
+    """A rejected corner at (10 + 1/2, 20 - 1/128) whose fit was clamped, D = 300; then the frame's end."""
+    parameters = Parameters()
+    note = {"x": [10, 0], "y": [20, 0], "response": [300, 0], "textured": [1, 0], "end": [0, 1]}
+    offset = {"dx": [64, 0], "dy": [-1, 0], "clamped": [1, 0], "not_maximum": [0, 0]}
+    corner = 1344 | 2559 << 20 | 300 << 40 | 0b101 << 61
+    end = 1 | 0 << 24 | 5000 << 40 | 0b011 << 61
+    capture = run(
+        engine(name, OutputConstructor, parameters),
+        {
+            "note": pack(note_layout(parameters), {key: np.array(value) for key, value in note.items()}),
+            "offset": pack(offset_layout(), {key: np.array(value) for key, value in offset.items()}),
+            "maximum": np.array([5000], np.uint64),
+        },
+        {"o": np.array([[corner, 0], [end, 1]], np.uint64)},
+    )
+    seen = decode(unpack(record_layout(), capture.outputs["o"])["record"].astype(np.uint64))
+    assert (seen.x.tolist(), seen.y.tolist()) == ([10.5], [20 - 1 / 128])
+
+
+def test_an_end_waits_for_the_maximum() -> None:
+    """Without it the corners before it come out all the same, and the end does not."""
+    parameters = Parameters()
+    zeros = np.zeros(3, np.int64)
+    note = {"x": zeros, "y": zeros, "response": zeros, "textured": zeros, "end": np.array([0, 0, 1])}
+    offset = {"dx": zeros, "dy": zeros, "clamped": zeros, "not_maximum": zeros}
+    runner = engine("compiled", OutputConstructor, parameters)
+    inputs = {"note": pack(note_layout(parameters), note), "offset": pack(offset_layout(), offset)}
+    hang = pytest.raises(SimulationHang, match=r"note 2 of 3 in, offset 2 of 3 in, .*o 2 out")
+    with hang:
+        runner.run(Stimulus(inputs), max_clocks=100)

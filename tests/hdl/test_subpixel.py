@@ -1,0 +1,151 @@
+# amaranth: UnusedElaboratable=no
+"""Subpixel refinement: every kind of surface, both fits, every pixel width, a patch every other clock."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from golden.parameters import Fit, Parameters
+from golden.subpixel import subpixel
+from hdl.subpixel import Subpixel, offset_layout
+from sim.engine import EngineName
+from sim.stimulus import Capture, Stalls
+from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Array, assert_timing, engine, pack, run, unpack
+
+FITS: list[Fit] = ["nine", "six"]
+Y, X = np.mgrid[-1:2, -1:2]
+every_fit = pytest.mark.parametrize("fit", FITS)
+every_width = pytest.mark.parametrize("pixel_bits", [4, 8, 10])
+
+
+def check(
+    fit: Fit,
+    patches: Array,
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+    pixel_bits: int = 8,
+) -> Capture:
+    """``patches``: (n, 3, 3)."""
+    parameters = Parameters(fit=fit, pixel_bits=pixel_bits)
+    assert patches.min() >= 0 and patches.max() <= parameters.response_max
+    block = Subpixel(parameters)
+    offset = subpixel(patches, fit)
+    fields = {
+        "dx": offset.dx,
+        "dy": offset.dy,
+        "clamped": offset.clamped,
+        "not_maximum": offset.not_maximum,
+    }
+    capture = run(
+        engine(name, Subpixel, parameters),
+        {"i": pack(block.i.payload.shape(), patches)},
+        {"o": pack(offset_layout(), fields)},
+        stalls,
+    )
+    if stalls == NO_STALLS:
+        assert_timing(capture, block.latency, clocks=2)
+    return capture
+
+
+def peaks(count: int, largest: int, seed: int = 0) -> Array:
+    """Random patches whose centre is the largest, from flat to steep."""
+    rng = np.random.default_rng(seed)
+    centre = rng.integers(1, largest, count, endpoint=True)
+    depth = rng.integers(0, centre, endpoint=True)
+    patches = centre[:, None, None] - rng.integers(0, depth[:, None, None], (count, 3, 3), endpoint=True)
+    patches[:, 1, 1] = centre
+    return patches
+
+
+def paraboloids(count: int, largest: int, seed: int = 0) -> Array:
+    """Rounded paraboloids with their peak anywhere in the patch: what corners look like."""
+    rng = np.random.default_rng(seed)
+    px, py = rng.uniform(-1, 1, (2, count, 1, 1))
+    a, b = rng.uniform(0.02, 0.2, (2, count, 1, 1))
+    c = rng.uniform(-2, 2, (count, 1, 1)) * np.sqrt(a * b)
+    x, y = X - px, Y - py
+    surface = 1 - np.clip(a * x * x + b * y * y + c * x * y, 0, 1)
+    return (surface * largest).astype(np.int64)
+
+
+def named(largest: int) -> Array:
+    """Flat, ridges, saddles, ramps, lone corners and holes, at full scale and one above nothing."""
+    shapes = [
+        X * 0,
+        X * 0 + 1,
+        1 - abs(X),
+        1 - abs(Y),
+        (X == Y) * 1,
+        (X == -Y) * 1,
+        abs(X),
+        X * X - Y * Y + 1,
+        Y * Y - X * X + 1,
+        X * Y + 1,
+        1 - X * Y,
+        X + 1,
+        1 - Y,
+        X + Y + 2,
+        2 - X + Y,
+        (X == 0) & (Y == 0),
+        (X != 0) | (Y != 0),
+        2 - X * X - Y * Y,
+        4 - abs(X + Y) - abs(X),
+    ]
+    return np.stack([s * height // s.max() if s.max() else s for s in shapes for height in (largest, 4)])
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+@every_fit
+def test_peaks(fit: Fit, name: EngineName, stalls: Stalls) -> None:
+    count = 2000 if name == "compiled" else 60
+    full = Parameters().response_max
+    check(fit, np.concatenate([peaks(count, full), paraboloids(count, full)]), name, stalls)
+
+
+@every_fit
+@every_width
+def test_many_patches(fit: Fit, pixel_bits: int) -> None:
+    full = Parameters(pixel_bits=pixel_bits).response_max
+    rng = np.random.default_rng(pixel_bits)
+    anything = rng.integers(0, full, (20_000, 3, 3), endpoint=True)
+    small = rng.integers(0, 3, (20_000, 3, 3), endpoint=True)
+    patches = [peaks(20_000, full, 1), peaks(20_000, 9, 2), paraboloids(30_000, full, 3), anything, small]
+    capture = check(fit, np.concatenate(patches), pixel_bits=pixel_bits)
+    seen = unpack(offset_layout(), capture.outputs["o"])
+    inside = ~(seen["clamped"] | seen["not_maximum"]).astype(bool)
+    # the test would say nothing if these did not occur
+    assert inside.any() and seen["clamped"].any() and seen["not_maximum"].any()
+    assert set(range(-63, 64)) <= set(seen["dx"][inside].tolist())
+    assert set(range(-63, 64)) <= set(seen["dy"][inside].tolist())
+
+
+@every_fit
+@every_width
+def test_extremes(fit: Fit, pixel_bits: int) -> None:
+    """Every patch of nothing but 0 and full scale: all 512, and the named ones."""
+    full = Parameters(pixel_bits=pixel_bits).response_max
+    corners = np.array(list(product((0, full), repeat=9))).reshape(-1, 3, 3)
+    check(fit, np.concatenate([corners, named(full)]), pixel_bits=pixel_bits)
+
+
+@every_fit
+@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+def test_by_hand(fit: Fit, name: EngineName) -> None:
+    """The peak of 4000 - 1000 x² - 1500 y² + 200 xy + 640 x - 660 y is at (0.3, -0.2): 38.4 and -25.6 of 128."""
+    surface = 4000 - 1000 * X * X - 1500 * Y * Y + 200 * X * Y + 640 * X - 660 * Y
+    flat, ridge, bowl = X * 0 + 9, 5 - X * X, X * X + Y * Y
+    steep = 100 * (4 - (X - 1) * (X - 1) - Y * Y)
+    capture = check(fit, np.stack([surface, flat, ridge, bowl, steep + 200]), name)
+    seen = unpack(offset_layout(), capture.outputs["o"])
+    assert abs(seen["dx"][0] - 38.4) <= 1 and abs(seen["dy"][0] + 25.6) <= 1
+    assert seen["not_maximum"].tolist() == [0, 1, 1, 1, 0]
+    assert seen["clamped"].tolist() == [0, 0, 0, 0, 1]
+    assert seen["dx"][1:].tolist() == [0, 0, 0, 64] and seen["dy"][1:].tolist() == [0, 0, 0, 0]
+
+
+def test_the_printed_fit_is_refused() -> None:
+    with pytest.raises(ValueError, match="fit is 'printed'; allowed in hardware: nine, six"):
+        Subpixel(Parameters(fit="printed"))
