@@ -31,6 +31,8 @@ from sim.waves import write_save_file
 _TOP = "dut"
 _POSEDGE = "bool posedge_p_clk = this->posedge_p_clk();"
 _ONE_PASS = "bool converged = true;"
+_MEMORY_INIT = re.compile(r"^  cell \$meminit_v2 .*?^  end\n", re.MULTILINE | re.DOTALL)
+_ALL_ZERO = re.compile(r"connect \\DATA \d+'0*$", re.MULTILINE)
 _GENERATORS = ("compiled_engine.py", "native.py")
 """Sources that decide what the C++ looks like, besides the headers."""
 
@@ -46,6 +48,14 @@ def top_ports(text: str) -> set[str]:
     if body is None:
         raise ValueError("the design is empty")
     return set(re.findall(r"^ *wire .*\b(?:in|out)put +\d+ .*\\(\S+)$", body[1], re.MULTILINE))
+
+
+def without_zeros(text: str) -> str:
+    """RTLIL text without initial contents of memories that are zero: CXXRTL's memories start so by themselves.
+
+    Amaranth writes them out word by word, and they would be half of what there is to compile.
+    """
+    return _MEMORY_INIT.sub(lambda match: "" if _ALL_ZERO.search(match[0]) else match[0], text)
 
 
 def mangle(name: str) -> str:
@@ -112,7 +122,8 @@ class CompiledEngine:
     ) -> None:
         self.ports = discover(component)
         # Before anything that may fail: Amaranth warns of components that are never elaborated.
-        self._rtlil = rtlil.convert(component, name=_TOP, ports=signals(component), emit_src=False)
+        text = rtlil.convert(component, name=_TOP, ports=signals(component), emit_src=False)
+        self._rtlil = without_zeros(text)
         self._present = top_ports(self._rtlil)
         self.name = f"compiled ({find_compiler().label})"
         self._notify = notify

@@ -59,7 +59,9 @@ def _find(variable: str | None, path: str | None) -> Compiler:
         return _from_command(tuple(shlex.split(variable)), "the compiler in $CXX,")
     if importlib.util.find_spec("ziglang") is not None:
         # zig aims at the very processor it runs on by default; a cached library may be run by another.
-        command = (sys.executable, "-m", "ziglang", "c++", "-mcpu=baseline", "-fno-sanitize=undefined")
+        # The threshold makes up for what cxxrtl_ports.h takes away, where payloads are wide.
+        flags = ("-mcpu=baseline", "-fno-sanitize=undefined", "-mllvm", "-inline-threshold=500")
+        command = (sys.executable, "-m", "ziglang", "c++", *flags)
         return Compiler(command, f"zig {importlib.metadata.version('ziglang')}")
     for name in _NAMES:
         found = shutil.which(name, path=path)
