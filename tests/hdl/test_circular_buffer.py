@@ -14,6 +14,7 @@ from hdl.stream import Beat, Columns
 from sim.engine import Engine, EngineName
 from sim.stimulus import Capture, Stalls
 from tests.hdl.blocks import (
+    ENGINES,
     NO_STALLS,
     RUN_IDS,
     RUNS,
@@ -92,7 +93,7 @@ def test_frames_of_one_size_never_wait(
 
 
 @every
-@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+@pytest.mark.parametrize("name", ENGINES)
 def test_lean_latency(name: EngineName, rows: int, max_width: int) -> None:
     """Each column comes two clocks after the beat that completes it, whatever the sizes; nothing ever waits."""
     sizes = [(rows + 4, 7), (rows + 1, max_width), (rows + 2, 4)]
@@ -108,7 +109,7 @@ def test_lean_latency(name: EngineName, rows: int, max_width: int) -> None:
 
 
 @every
-@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+@pytest.mark.parametrize("name", ENGINES)
 def test_banked_latency(name: EngineName, rows: int, max_width: int) -> None:
     """The first column comes five clocks after the row's last beat, the others on its heels: the last row too."""
     size = (rows + 4, 11)

@@ -13,6 +13,7 @@ from hdl.corner_detection import CornerDetection
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
 from tests.hdl.blocks import (
+    ENGINES,
     NO_STALLS,
     RUN_IDS,
     RUNS,
@@ -86,7 +87,7 @@ def test_extremes(ties: Ties, pixel_bits: int) -> None:
 
 
 @pytest.mark.parametrize("ties", TIES)
-@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+@pytest.mark.parametrize("name", ENGINES)
 def test_each_neighbour(ties: Ties, name: EngineName) -> None:
     """A lone peak of 10 with one neighbour of 9, 10 or 11, in each of the eight places; T1 at 9 and 10."""
     frames, t1, expected = [], [], []

@@ -13,7 +13,7 @@ from golden.divider import HALF, INDEX_BITS, NUMERATOR_BITS, divide, worst_error
 from hdl.divider import Divider
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run
+from tests.hdl.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run
 
 ASIDE = 3
 NARROWEST = NUMERATOR_BITS + 1
@@ -110,7 +110,7 @@ def test_stalls(name: EngineName, stalls: Stalls) -> None:
     check(40, numerator, denominator, name, stalls)
 
 
-@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+@pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
     """0, 1/4, 1/3, 1/2, and beyond: 127.5/256 of a pixel would be 64; clamped only above one half."""
     cases = [(0, 5, 0, 0), (1, 4, 32, 0), (333_333, 1_000_000, 43, 0), (500, 1000, 64, 0)]

@@ -14,7 +14,7 @@ from hdl.output_constructor import OutputConstructor, record_layout
 from hdl.subpixel import offset_layout
 from sim.engine import EngineName, SimulationHang
 from sim.stimulus import Capture, Stalls, Stimulus
-from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run, unpack
+from tests.hdl.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run, unpack
 
 ABOVE = 7
 """Least whole coordinate of a corner, so that no offset makes it negative."""
@@ -93,7 +93,7 @@ def test_frame_numbers_wrap_and_counts_are_long() -> None:
     assert (last.records, last.frame) == (2, 4)
 
 
-@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+@pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
     """A rejected corner at (10 + 1/2, 20 - 1/128) whose fit was clamped, D = 300; then the frame's end."""
     parameters = Parameters()

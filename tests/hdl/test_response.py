@@ -18,6 +18,7 @@ from hdl.response import Response
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
 from tests.hdl.blocks import (
+    ENGINES,
     NO_STALLS,
     RUN_IDS,
     RUNS,
@@ -91,9 +92,9 @@ def test_any_tensor(parameters: Parameters, data: st.DataObject) -> None:
     check(parameters, [np.stack([a, b, c], axis=-1)[None]])
 
 
-@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+@pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """Roots of 0, 5, 9, 25, 0 and the largest; the fifth is one too large by rounding: -1 is clamped."""
+    """Roots of 0, 5, 8, 25, 2 and of full scale; the fourth and fifth exceed A + B, so D is clamped."""
     full = ABSOLUTE.product_max
     tensors = [(10, 10, 0, 20), (8, 3, 0, 6), (9, 6, 4, 7), (10, 3, 12, 0), (1, 0, 1, 0)]
     tensors += [(full, full, 0, 2 * full), (full, full, full, 0), (full, 0, 0, 0), (0, 0, 0, 0)]

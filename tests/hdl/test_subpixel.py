@@ -13,7 +13,18 @@ from golden.subpixel import subpixel
 from hdl.subpixel import Subpixel, offset_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Array, assert_timing, engine, pack, run, unpack
+from tests.hdl.blocks import (
+    ENGINES,
+    NO_STALLS,
+    RUN_IDS,
+    RUNS,
+    Array,
+    assert_timing,
+    engine,
+    pack,
+    run,
+    unpack,
+)
 
 FITS: list[Fit] = ["nine", "six"]
 Y, X = np.mgrid[-1:2, -1:2]
@@ -132,7 +143,7 @@ def test_extremes(fit: Fit, pixel_bits: int) -> None:
 
 
 @every_fit
-@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+@pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(fit: Fit, name: EngineName) -> None:
     """The peak of 4000 - 1000 x² - 1500 y² + 200 xy + 640 x - 660 y is at (0.3, -0.2): 38.4 and -25.6 of 128."""
     surface = 4000 - 1000 * X * X - 1500 * Y * Y + 200 * X * Y + 640 * X - 660 * Y

@@ -14,6 +14,7 @@ from hdl.thresholds import thresholds_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
 from tests.hdl.blocks import (
+    ENGINES,
     NO_STALLS,
     RUN_IDS,
     RUNS,
@@ -122,7 +123,7 @@ def test_extremes(patches: Patches, pixel_bits: int) -> None:
     check(patches, frames, t2, pixel_bits=pixel_bits)
 
 
-@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+@pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
     """A response of 7 in the middle counts four times with regions: 28, which is not below 28."""
     frame = np.zeros((9, 9), np.int64)

@@ -20,6 +20,7 @@ from hdl.thresholds import Thresholds, settings_layout, thresholds_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
 from tests.hdl.blocks import (
+    ENGINES,
     NO_STALLS,
     RUN_IDS,
     RUNS,
@@ -110,7 +111,7 @@ def test_frames(name: EngineName, stalls: Stalls) -> None:
         assert (capture.output_clocks["o"] == capture.input_clocks["i"]).all()
 
 
-@pytest.mark.parametrize("name", ["compiled", "amaranth"])
+@pytest.mark.parametrize("name", ENGINES)
 def test_frames_of_detector_size_never_wait(name: EngineName) -> None:
     """9x9 responses, of a 15x15 frame, are the least there can be."""
     capture = check(some_frames([(9, 9)] * 8), name=name)
@@ -131,7 +132,8 @@ def test_extremes(parameters: Parameters) -> None:
     check(frames, parameters)
 
 
-def test_by_hand() -> None:
+@pytest.mark.parametrize("name", ENGINES)
+def test_by_hand(name: EngineName) -> None:
     """Constant, since it is the first; then the 1000 before; then the floor; then the constant, as asked."""
     peak = np.array([[3, 1000, 7]])
     low = np.array([[0, 2, 1]])
@@ -145,8 +147,7 @@ def test_by_hand() -> None:
     ]
     # T2 is in ninths
     assert limits(frames, PARAMETERS) == [(100, 1800), (250, 4500), (2, 45), (100, 1800), (125, 2250)]
-    for name in ("compiled", "amaranth"):
-        check(frames, name=name)
+    check(frames, name=name)
 
 
 @given(st.data())

@@ -1,0 +1,114 @@
+# amaranth: UnusedElaboratable=no
+"""Frame control: rows and frames out of a bare stream of pixels, and what each frame is processed with."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from golden.parameters import SUPPORT, Parameters
+from hdl.frame_control import FrameControl
+from hdl.stream import Beat
+from sim.engine import EngineName
+from sim.stimulus import Capture, Stalls
+from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Size, assert_timing, engine, noise, pack, raster, run
+
+# settings of 4-bit pixels fit the one word in which plain inputs are set
+ODD = Parameters(pixel_bits=4, max_width=37, max_height=21)
+POWERS = Parameters(pixel_bits=4, max_width=32, max_height=16)
+SETTINGS_BITS = 16 + 20 + 1 + 9 + 9 + 1
+
+Levels = list[tuple[int, dict[str, int]]]
+
+
+def clamped(size: Size, parameters: Parameters) -> Size:
+    height, width = size
+    return (
+        min(max(height, SUPPORT), parameters.max_height),
+        min(max(width, SUPPORT), parameters.max_width),
+    )
+
+
+def check(
+    asked: list[Size],
+    parameters: Parameters = ODD,
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+    *,
+    meddle: bool = False,
+) -> Capture:
+    """Frames of the size asked for, or the nearest allowed; ``meddle``: all inputs change after the first pixel."""
+    rng = np.random.default_rng(len(asked))
+    frames = noise([clamped(size, parameters) for size in asked], parameters.pixel_max)
+    latched = rng.integers(0, 1 << SETTINGS_BITS, len(asked)).tolist()
+    levels: Levels = []
+    start = 0
+    for (height, width), frame, word in zip(asked, frames, latched, strict=True):
+        levels.append((start, {"width": width, "height": height, "next_settings": word}))
+        if meddle:
+            levels.append((start + 1, {"width": 17, "height": 18, "next_settings": word ^ 0x5555}))
+            levels.append((start + frame.size - 1, {"width": 30, "height": 16, "next_settings": word >> 1}))
+        start += frame.size
+    beats = raster(frames)
+    capture = run(
+        engine(name, FrameControl, parameters),
+        {"i": beats["data"].astype(np.uint64)},
+        {
+            "o": pack(Beat(parameters.pixel_bits), beats),
+            "settings": np.array(latched, np.uint64),
+        },
+        stalls,
+        levels=levels,
+    )
+    if stalls == NO_STALLS:
+        assert_timing(capture, FrameControl.latency)
+        firsts = np.cumsum([0, *(frame.size for frame in frames)])[:-1]
+        assert np.array_equal(capture.output_clocks["settings"], capture.input_clocks["i"][firsts] + 1)
+    return capture
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+def test_frames(name: EngineName, stalls: Stalls) -> None:
+    sizes = [(15, 15), (21, 37), (15, 37), (21, 15), (16, 20)]
+    check(sizes if name == "compiled" else sizes[:2], name=name, stalls=stalls)
+
+
+@pytest.mark.parametrize("parameters", [ODD, POWERS], ids=["odd maximum", "powers of two"])
+def test_sizes_out_of_range(parameters: Parameters) -> None:
+    """From nothing to all ones: the nearest that is allowed."""
+    height, width = parameters.max_height, parameters.max_width
+    all_ones = (1 << height.bit_length()) - 1, (1 << width.bit_length()) - 1
+    asked = [(0, 0), (14, 14), (15, 15), (16, 16), (height - 1, width - 1), (height, width)]
+    asked += [(all_ones[0], 0), (0, all_ones[1]), all_ones, (height, 3), (3, width)]
+    check(asked, parameters)
+    check([(min(height + 1, all_ones[0]), min(width + 1, all_ones[1])), (20, 20)], parameters)
+
+
+@pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(0.4, 0.4, 1)], ids=["unstalled", "stalled"])
+def test_everything_is_sampled_with_the_first_pixel_only(stalls: Stalls) -> None:
+    check([(15, 20), (20, 15), (21, 37), (15, 15)], stalls=stalls, meddle=True)
+
+
+@given(st.data())
+@settings(max_examples=40)
+def test_any_sizes_and_stalls(data: st.DataObject) -> None:
+    size = st.tuples(st.integers(0, 31), st.integers(0, 63))
+    chance = st.sampled_from([0.0, 0.3, 0.9])
+    check(
+        data.draw(st.lists(size, min_size=1, max_size=5)),
+        stalls=data.draw(st.builds(Stalls, chance, chance, st.integers(0, 1000))),
+        meddle=data.draw(st.booleans()),
+    )
+
+
+def test_a_first_pixel_waits_for_its_settings_to_be_taken() -> None:
+    """Settings are hardly ever taken: each frame's first pixel comes after the previous settings have gone."""
+    capture = check([(15, 15)] * 6, stalls=Stalls(outputs=0.97, seed=2))
+    firsts = capture.input_clocks["i"][::225]
+    assert (firsts[1:] > capture.output_clocks["settings"][:-1]).all()
+
+
+def test_latency() -> None:
+    assert FrameControl.latency == 1

@@ -1,0 +1,211 @@
+"""Does the suite notice? One line of a copy of the sources is made wrong, and the tests of that place must fail."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+COPIED = ("golden", "hdl", "sim", "tests", "pyproject.toml")
+TESTS_FAILED = 1
+"""pytest's exit code for that; anything else says that the tests could not be run."""
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """A change of one place, and the few fast tests that must see it.
+
+    Parameters
+    ----------
+    file
+        Source to change.
+    old, new
+        Text that occurs exactly once in it, and what takes its place.
+    tests
+        File of tests.
+    only
+        pytest's ``-k``: which of them.
+    """
+
+    file: str
+    old: str
+    new: str
+    tests: str
+    only: str = ""
+
+
+MUTATIONS = {
+    "a window counter is off by one": Mutation(
+        "hdl/stream.py",
+        "seen == size - 1",
+        "seen == size - 2",
+        "tests/hdl/test_stream.py",
+        "window_counter and amaranth",
+    ),
+    "the skid buffer forgets its spare": Mutation(
+        "hdl/stream.py",
+        "first_full.eq(spare_full | self.i.valid)",
+        "first_full.eq(self.i.valid)",
+        "tests/hdl/test_stream.py",
+        "skid_buffer and amaranth",
+    ),
+    "lean rows are not counted anew after a frame": Mutation(
+        "hdl/circular_buffer.py",
+        "\n                    m.d.sync += rows_seen.eq(0)",
+        "\n                    m.d.sync += rows_seen.eq(rows_seen)",
+        "tests/hdl/test_circular_buffer.py",
+        "columns and amaranth and lean",
+    ),
+    "banked rows are not counted anew after a frame": Mutation(
+        "hdl/circular_buffer.py",
+        "\n                m.d.sync += rows_seen.eq(0)",
+        "\n                m.d.sync += rows_seen.eq(rows_seen)",
+        "tests/hdl/test_circular_buffer.py",
+        "columns and amaranth and banked",
+    ),
+    "the sign of C is dropped": Mutation(
+        "hdl/preprocessing.py",
+        "Mux(negative, -c, c)",
+        "Mux(negative, c, c)",
+        "tests/hdl/test_preprocessing.py",
+        "products and amaranth and signed",
+    ),
+    "negative halves round towards zero": Mutation(
+        "hdl/convolution.py",
+        "half + ~taps[-1]",
+        "half + 1",
+        "tests/hdl/test_convolution.py",
+        "halves and amaranth",
+    ),
+    "the golden model rounds halves down": Mutation(
+        "golden/convolution.py",
+        "(total + 32) >> SHIFT",
+        "(total + 31) >> SHIFT",
+        "tests/golden/test_convolution.py",
+    ),
+    "the square root adds where it should subtract": Mutation(
+        "hdl/square_root.py",
+        "Mux(negative, 0, (1 << bits) - 1)",
+        "Mux(negative, (1 << bits) - 1, 0)",
+        "tests/hdl/test_square_root.py",
+        "latency",
+    ),
+    "a negative D is not clamped": Mutation(
+        "hdl/response.py",
+        "Mux(difference[-1], 0, difference[:-1])",
+        "difference[:-1]",
+        "tests/hdl/test_response.py",
+        "by_hand and amaranth",
+    ),
+    "T1 is shifted by one bit": Mutation(
+        "hdl/thresholds.py",
+        "t1.eq(product1[SIGMA_BITS:])",
+        "t1.eq(product1[SIGMA_BITS - 1 :])",
+        "tests/hdl/test_thresholds.py",
+        "by_hand and amaranth",
+    ),
+    "the previous maximum is never updated": Mutation(
+        "hdl/thresholds.py",
+        "previous.eq(now_largest)",
+        "previous.eq(previous)",
+        "tests/hdl/test_thresholds.py",
+        "by_hand and amaranth",
+    ),
+    "the golden model forgets the previous maximum": Mutation(
+        "golden/detector.py",
+        "self._previous_maximum = maximum",
+        "self._previous_maximum = None",
+        "tests/golden/test_stream_model.py",
+    ),
+    "equal neighbours are maxima": Mutation(
+        "hdl/corner_detection.py",
+        "centre > later if",
+        "centre >= later if",
+        "tests/hdl/test_corner_detection.py",
+        "neighbour and amaranth",
+    ),
+    "equal neighbours are maxima in the golden model": Mutation(
+        "golden/corner_detection.py",
+        "(centre > gamma)",
+        "(centre >= gamma)",
+        "tests/golden/test_corner_detection.py",
+    ),
+    "two boxes of the texture filter are swapped": Mutation(
+        "hdl/texture_filter.py",
+        "falling[3] + rising[-2]",
+        "falling[3] + rising[-1]",
+        "tests/hdl/test_texture_filter.py",
+        "noise and amaranth",
+    ),
+    "one entry of the reciprocals is off by one": Mutation(
+        "hdl/divider.py",
+        "int(entry) - (1 << (RECIPROCAL_BITS - 1)) for entry",
+        "int(entry) - (1 << (RECIPROCAL_BITS - 1)) + int(entry == RECIPROCALS[100]) for entry",
+        "tests/hdl/test_divider.py",
+        "every_table_entry",
+    ),
+    "dx takes the place of dy": Mutation(
+        "hdl/subpixel.py",
+        "self.o.payload.dy.eq(offset)",
+        "self.o.payload.dy.eq(dx)",
+        "tests/hdl/test_subpixel.py",
+        "by_hand and amaranth",
+    ),
+    "a frame ends a row early": Mutation(
+        "hdl/frame_control.py",
+        "_clamped(self.height, self._parameters.max_height) - 1",
+        "_clamped(self.height, self._parameters.max_height) - 2",
+        "tests/hdl/test_frame_control.py",
+        "frames and amaranth",
+    ),
+}
+
+
+def copy_sources(folder: Path) -> None:
+    for name in COPIED:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(ROOT / name, folder / name)
+
+
+def run_tests(folder: Path, files: list[str], only: str = "") -> subprocess.CompletedProcess[str]:
+    """pytest in the copy, on the copy's modules and with a cache of its own."""
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+    environment |= {"PYTHONPATH": str(folder), "CORNERSTREAM_CACHE": str(folder / "build" / "cache")}
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    command += ["-k", only] * bool(only) + files
+    return subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=300
+    )
+
+
+@pytest.mark.parametrize("mutation", MUTATIONS.values(), ids=MUTATIONS.keys())
+def test_the_suite_notices(mutation: Mutation, tmp_path: Path) -> None:
+    copy_sources(tmp_path)
+    path = tmp_path / mutation.file
+    text = path.read_text(encoding="utf-8")
+    assert text.count(mutation.old) == 1, f"{mutation.old!r} occurs {text.count(mutation.old)} times"
+    path.write_text(text.replace(mutation.old, mutation.new), encoding="utf-8")
+    done = run_tests(tmp_path, [mutation.tests], mutation.only)
+    assert done.returncode == TESTS_FAILED, done.stdout + done.stderr
+    # and by comparison, not because the changed source cannot be run
+    reasons = [line.lower() for line in done.stdout.splitlines() if line.startswith("E ")]
+    assert any("assert" in reason for reason in reasons), done.stdout
+
+
+def test_the_same_tests_pass_on_an_unchanged_copy(tmp_path: Path) -> None:
+    copy_sources(tmp_path)
+    files = sorted({mutation.tests for mutation in MUTATIONS.values()})
+    chosen = sorted({mutation.only for mutation in MUTATIONS.values() if mutation.only})
+    # files without a choice are run whole: their folder's name chooses them
+    whole = sorted({Path(m.tests).parent.name for m in MUTATIONS.values() if not m.only})
+    only = " or ".join(f"({choice})" for choice in [*chosen, *whole])
+    done = run_tests(tmp_path, files, only)
+    assert done.returncode == 0, done.stdout + done.stderr
