@@ -180,4 +180,4 @@ class VerilogEngine:
             return run_native(library, plan, progress, path, vcd_clocks)
         finally:
             if path is not None and path.exists():
-                write_save_file(path, self.ports, self._top, "clk" if "clk" in self._present else None)
+                write_save_file(path, self.ports, "TOP", "clk" if "clk" in self._present else None)
