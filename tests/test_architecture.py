@@ -1,0 +1,49 @@
+"""The folders depend on each other in one direction only, and no file grows too long to be read in one sitting."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+BELOW: dict[str, set[str]] = {
+    "golden": set(),
+    "hdl": {"golden"},
+    "sim": {"golden", "hdl"},
+    "flow": {"golden", "hdl", "sim"},
+    "evaluation": {"golden", "hdl", "sim", "flow"},
+    "cornerstream": {"golden", "hdl", "sim", "flow", "evaluation"},
+}
+FILES = [path for folder in BELOW for path in sorted((ROOT / folder).rglob("*.py"))]
+LONGEST = 400
+
+
+def imported(path: Path) -> set[str]:
+    """Top-level packages that a file imports, anywhere in it."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names.add(node.module.partition(".")[0])
+    return names
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_imports_point_downwards(path: Path) -> None:
+    folder = path.relative_to(ROOT).parts[0]
+    assert imported(path) & set(BELOW) <= BELOW[folder] | {folder}
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_files_stay_short(path: Path) -> None:
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST
+
+
+def test_each_box_of_fig_9_is_one_file_in_golden_and_in_hdl() -> None:
+    boxes = {"preprocessing", "convolution", "square_root", "response", "corner_detection", "texture_filter"}
+    boxes |= {"subpixel", "divider", "output_constructor", "thresholds", "detector"}
+    for folder in ("golden", "hdl"):
+        assert boxes <= {path.stem for path in (ROOT / folder).glob("*.py")}
