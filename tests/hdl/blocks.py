@@ -127,13 +127,13 @@ def tags(sizes: list[Size]) -> dict[str, Array]:
     return {"eol": np.concatenate(eol), "eof": np.concatenate(eof)}
 
 
-def raster(frames: list[Array]) -> dict[str, Array]:
+def raster(frames: list[Array]) -> dict[str, Any]:
     """Fields of a ``Beat`` for each value of these (height, width, ...) frames, one after the other."""
     values = [frame.reshape(-1, *frame.shape[2:]) for frame in frames]
     return {"data": np.concatenate(values), **tags([frame.shape[:2] for frame in frames])}
 
 
-def columns(frames: list[Array], rows: int) -> dict[str, Array]:
+def columns(frames: list[Array], rows: int) -> dict[str, Any]:
     """Fields of ``Columns`` as a circular buffer delivers them: (height-rows+1) rows of width each."""
     windows = [
         sliding_window_view(frame, rows, axis=0)
