@@ -1,4 +1,4 @@
-"""Output files: the table of corners as CSV or JSON, the picture; either all of them are written, or none."""
+"""Output files: the table of corners as CSV or JSON, the picture; each is written whole, or not at all."""
 
 from __future__ import annotations
 
@@ -85,6 +85,9 @@ def write_results(folder: Path, pixels: NDArray[np.uint8], corners: Corners) -> 
 def write_all(contents: Mapping[Path, bytes]) -> None:
     """Write files under temporary names, renamed when all are complete: none is ever half written."""
     temporary: dict[Path, Path] = {}
+    for path in contents:
+        if path.is_dir():
+            raise BadInput(f"cannot write {path}: Is a directory; allowed: a file that can be written")
     try:
         for path, content in contents.items():
             with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}-", delete=False) as file:

@@ -139,6 +139,7 @@ def _to_grey(image: Image.Image, path: Path, remarks: list[str]) -> Image.Image:
     if image.mode == "1":
         remarks.append("1-bit image: black becomes 0 and white 255")
         return image.convert("L")
+    grey = image.mode in ("L", "LA", "La")
     if image.mode == "P":
         remarks.append("palette looked up")
         image = image.convert("RGBA" if "transparency" in image.info else "RGB")
@@ -146,8 +147,8 @@ def _to_grey(image: Image.Image, path: Path, remarks: list[str]) -> Image.Image:
         image = image.convert("RGBA")
     if image.has_transparency_data:
         image = _over_white(image, remarks)
-    if image.mode == "L":
-        return image
+    if grey:
+        return image.convert("L")
     try:
         colour = image.convert("RGB")
     except ValueError as error:

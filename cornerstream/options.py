@@ -10,7 +10,7 @@ import click
 
 from cornerstream.errors import BadInput, bad_input
 from golden import PROFILES, Parameters, Settings, profile
-from golden.parameters import Buffering, Fit, Gradient, Patches, Reference, Ties
+from golden.parameters import Buffering, Fit, Gradient, Patches, Reference, Ties, check_integer
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -115,6 +115,7 @@ def parameters_from(options: dict[str, Any], *, hardware: bool) -> Parameters:
 def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
     """The thresholds that the command line asks for; corners that the texture filter rejects are reported."""
     with bad_input():
+        for field in ("constant", "floor"):
+            check_integer(field, options[field], 1, parameters.response_max)
         settings = Settings(**{field: options[field] for field in _THRESHOLDS}, report_rejected=True)
-        settings.check(parameters)
     return settings

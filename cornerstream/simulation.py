@@ -145,6 +145,8 @@ def simulate(image: Path | None, output: Path, **options: Any) -> None:
 def _run_from(options: dict[str, Any]) -> Run:
     with bad_input():
         stalls = Stalls(options["stall_input"], options["stall_output"], options["seed"])
+    if (vcd := options["vcd"]) is not None and (vcd.suffix != ".vcd" or vcd.is_dir()):
+        raise BadInput(f"waves cannot be written to {str(vcd)!r}; allowed: a file whose name ends in .vcd")
     return Run(options["engine"], options["frames"], stalls, options["vcd"], options["vcd_clocks"])
 
 

@@ -26,8 +26,8 @@ _STRIP_ROWS = 32
 
 def check_image(image: object, parameters: Parameters) -> Image:
     """The image itself if this detector can take it, else ``TypeError`` or ``ValueError`` saying why."""
-    if not isinstance(image, np.ndarray):
-        raise TypeError(f"image is a {type(image).__name__}; allowed: a NumPy array")
+    if not isinstance(image, np.ndarray) or isinstance(image, (np.ma.MaskedArray, np.matrix)):
+        raise TypeError(f"image is a {type(image).__name__}; allowed: a plain NumPy array")
     dtype = np.dtype(np.uint8 if parameters.pixel_bits <= 8 else np.uint16)
     if image.dtype != dtype:
         raise TypeError(

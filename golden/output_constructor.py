@@ -88,7 +88,9 @@ class Corners:
 
     def points(self) -> NDArray[np.float32]:
         """The accepted corners as OpenCV takes them: (N, 1, 2) float32, x before y."""
-        return np.stack([self.x, self.y], axis=-1)[self.accepted].astype(np.float32)[:, None, :]
+        points = np.empty((int(self.accepted.sum()), 1, 2), np.float32)
+        points[:, 0, 0], points[:, 0, 1] = self.x[self.accepted], self.y[self.accepted]
+        return points
 
 
 class FrameEnd(NamedTuple):

@@ -6,7 +6,7 @@ Number formats are derived here and nowhere else, so that the two cannot drift a
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from numbers import Real
+from numbers import Integral, Real
 from typing import Any, Literal, get_args
 
 Gradient = Literal["absolute", "signed"]
@@ -33,6 +33,7 @@ SIGMA_BITS = 16
 SIGMA2_INTEGER_BITS = 4
 """sigma2 reaches 16: tau cannot exceed 8 times the frame's largest D, so with that as Dref 8 is plenty."""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
+MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10
 
 
 def _check_choice(field: str, value: object, allowed: object) -> None:
@@ -42,9 +43,18 @@ def _check_choice(field: str, value: object, allowed: object) -> None:
 
 
 def check_integer(field: str, value: object, low: int, high: int) -> None:
-    """Raise ``ValueError`` naming the field, its value and what is allowed, unless low <= value <= high."""
-    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+    """Raise ``ValueError`` naming the field, its value and what is allowed, unless low <= value <= high.
+
+    NumPy's integers are as good as Python's.
+    """
+    if isinstance(value, bool) or not isinstance(value, Integral) or not low <= int(value) <= high:
         raise ValueError(f"{field} is {value!r}; allowed: whole numbers from {low} to {high}")
+
+
+def _plain_integer(frozen: object, field: str, low: int, high: int) -> None:
+    value = getattr(frozen, field)
+    check_integer(field, value, low, high)
+    object.__setattr__(frozen, field, int(value))
 
 
 def _check_fraction(field: str, value: object, limit: int) -> None:
@@ -99,10 +109,13 @@ class Parameters:
     sqrt_bits_per_stage: int = 1
 
     def __post_init__(self) -> None:
-        check_integer("pixel_bits", self.pixel_bits, 4, 10)
-        check_integer("max_width", self.max_width, SUPPORT, MAX_SIDE)
-        check_integer("max_height", self.max_height, SUPPORT, MAX_SIDE)
-        check_integer("sqrt_bits_per_stage", self.sqrt_bits_per_stage, 1, 17)
+        for field, low, high in (
+            ("pixel_bits", MIN_PIXEL_BITS, MAX_PIXEL_BITS),
+            ("max_width", SUPPORT, MAX_SIDE),
+            ("max_height", SUPPORT, MAX_SIDE),
+            ("sqrt_bits_per_stage", 1, 17),
+        ):
+            _plain_integer(self, field, low, high)
         _check_choice("gradient", self.gradient, Gradient)
         _check_choice("ties", self.ties, Ties)
         _check_choice("fit", self.fit, Fit)
@@ -188,8 +201,10 @@ class Settings:
         _check_fraction("sigma1", self.sigma1, 1)
         _check_fraction("sigma2", self.sigma2, 1 << SIGMA2_INTEGER_BITS)
         _check_choice("reference", self.reference, Reference)
-        check_integer("constant", self.constant, 1, 2 * 1023**2)
-        check_integer("floor", self.floor, 1, 2 * 1023**2)
+        # how large they may be depends on the detector: see check()
+        largest = Parameters(pixel_bits=MAX_PIXEL_BITS).response_max
+        _plain_integer(self, "constant", 1, largest)
+        _plain_integer(self, "floor", 1, largest)
 
     @classmethod
     def default(cls, parameters: Parameters, **changes: Any) -> Settings:

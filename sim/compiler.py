@@ -45,7 +45,7 @@ def _from_command(command: tuple[str, ...], origin: str) -> Compiler:
         done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
     except OSError as error:
         raise CompilerNotFoundError(
-            f"{origin} {shlex.join(command)!r} cannot be run: {error.strerror}"
+            f"{origin} {shlex.join(command)!r} cannot be run: {error.strerror}; allowed: a C++ compiler"
         ) from None
     if done.returncode != 0:
         raise CompilerNotFoundError(f"{origin} {shlex.join(command)!r} is no C++ compiler")
@@ -56,13 +56,17 @@ def _from_command(command: tuple[str, ...], origin: str) -> Compiler:
 @cache
 def _find(variable: str | None, path: str | None) -> Compiler:
     if variable:
-        return _from_command(tuple(shlex.split(variable)), "the compiler in $CXX,")
+        try:
+            command = tuple(shlex.split(variable))
+        except ValueError as error:
+            raise CompilerNotFoundError(f"$CXX is {variable!r}: {error}; allowed: a command") from None
+        return _from_command(command, "the compiler in $CXX,")
     if importlib.util.find_spec("ziglang") is not None:
         # zig aims at the very processor it runs on by default; a cached library may be run by another.
         # The threshold makes up for what cxxrtl_ports.h takes away, where payloads are wide.
         flags = ("-mcpu=baseline", "-fno-sanitize=undefined", "-mllvm", "-inline-threshold=500")
-        command = (sys.executable, "-m", "ziglang", "c++", *flags)
-        return Compiler(command, f"zig {importlib.metadata.version('ziglang')}")
+        zig = (sys.executable, "-m", "ziglang", "c++", *flags)
+        return Compiler(zig, f"zig {importlib.metadata.version('ziglang')}")
     for name in _NAMES:
         found = shutil.which(name, path=path)
         if found is not None:
@@ -87,7 +91,13 @@ def find_compiler() -> Compiler:
 def cache_directory(chosen: Path | None = None) -> Path:
     """Where built simulators are kept; created if need be."""
     directory = chosen or Path(os.environ.get(CACHE_VARIABLE) or Path("build") / "cache")
-    directory.mkdir(parents=True, exist_ok=True)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CompilationError(
+            f"cannot keep simulators in {directory}: {error.strerror}; "
+            f"allowed: a folder that can be written, named by ${CACHE_VARIABLE}"
+        ) from error
     return directory.resolve()
 
 
@@ -162,5 +172,7 @@ def build(
         flags = [*_FLAGS, "-shared" if link else "-c", *(f"-I{path}" for path in [folder, *includes])]
         output = folder / f"result{suffix}"
         run_tool([*compiler.command, *flags, *sources, "-o", str(output)], "the C++ compiler", folder)
+        if not output.exists():
+            raise CompilationError(f"{compiler.label} has made nothing; allowed: a C++ compiler")
         os.replace(output, target)
     return target

@@ -11,12 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from sim.compiler import CompilationError, find_compiler
 from sim.engine import Progress, broken_rule, hang
 from sim.ports import LevelPort, Ports, StreamPort
 from sim.stimulus import Capture, Plan, shaped
 
 BATCH = 200_000
 """Clocks per call into the library: Ctrl-C and progress reports wait for its end."""
+WAVE_BATCH = 2_000
+"""The same where waves are written, which is some hundred times slower."""
 _RUNNING, _FINISHED, _HANG, _WITHDRAWN, _CHANGED = range(5)
 
 
@@ -58,7 +61,14 @@ def _pointer(array: np.ndarray, kind: Any) -> Any:
 
 def load(path: Path) -> ctypes.CDLL:
     """The library with the types of its functions declared."""
-    library = ctypes.CDLL(str(path))
+    try:
+        library = ctypes.CDLL(str(path))
+    except OSError as error:
+        # a C compiler links no C++ library; a full disk cuts files short
+        path.unlink(missing_ok=True)
+        raise CompilationError(
+            f"the simulator cannot be loaded, and was deleted: {error}; is {find_compiler().label!r} for C++?"
+        ) from error
     for name, result, arguments in (
         ("sim_open", c_void_p, [POINTER(_Spec)]),
         ("sim_close", None, [c_void_p]),
@@ -128,6 +138,7 @@ class NativeRun:
     def __init__(self, library: ctypes.CDLL, plan: Plan, vcd: Path | None, vcd_clocks: int) -> None:
         self._library = library
         self._plan = plan
+        self._batch = BATCH if vcd is None else WAVE_BATCH
         self.accepted = [np.full(len(beats), -1, np.int64) for beats in plan.beats]
         spec = _Spec(
             inputs=self._inputs(),
@@ -166,7 +177,7 @@ class NativeRun:
         total = self._plan.total_beats
         outcome = _RUNNING
         while outcome == _RUNNING:
-            outcome = self._library.sim_run(self._simulation, BATCH)
+            outcome = self._library.sim_run(self._simulation, self._batch)
             if progress is not None:
                 progress(total - self._library.sim_remaining(self._simulation), total)
         if outcome == _HANG:

@@ -29,6 +29,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "text.png").write_text("not an image at all")
     (tmp_path / "empty.png").touch()
     (tmp_path / "folder.png").mkdir()
+    (tmp_path / "folder.vcd").mkdir()
     (tmp_path / "cut.png").write_bytes((tmp_path / "good.png").read_bytes()[:300])
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -114,6 +115,10 @@ def test_option(folder: Path, command: str, option: str, value: str, parts: list
         ("--engine", "guess", ["--engine", "'guess' is not one of 'compiled', 'amaranth', 'verilog'"]),
         ("--vcd-clocks", "0", ["--vcd-clocks", "0 is not in the range x>=1"]),
         ("--vcd", "good.png/waves.vcd", ["good.png: File exists", "allowed: a folder that can be written"]),
+        ("--vcd", "waves.gtkw", ["'waves.gtkw'", "allowed: a file whose name ends in .vcd"]),
+        ("--vcd", "", ["allowed: a file whose name ends in .vcd"]),
+        ("--vcd", "folder.vcd", ["'folder.vcd'", "allowed: a file whose name ends in .vcd"]),
+        ("--constant", "0", ["constant is 0; allowed: whole numbers from 1 to 130050"]),
     ],
 )
 def test_option_of_simulate(folder: Path, option: str, value: str, parts: list[str]) -> None:
@@ -149,10 +154,25 @@ def test_missing_argument() -> None:
     check(run("detect"), "Missing argument 'IMAGE'")
 
 
-def test_compiler_that_does_not_exist(folder: Path) -> None:
+@pytest.mark.parametrize("command", ["no-such-compiler", 'g++ "'])
+def test_compiler_that_does_not_exist(folder: Path, command: str) -> None:
     before = listing(folder)
-    check(run("simulate", "good.png", env={"CXX": "no-such-compiler"}), "no-such-compiler", "$CXX")
+    check(run("simulate", "good.png", env={"CXX": command}), command, "$CXX", "allowed: a")
     assert listing(folder) == before
+
+
+def test_one_result_that_cannot_be_written_keeps_the_others_back(folder: Path) -> None:
+    (folder / "out" / "corners.png").mkdir(parents=True)
+    before = listing(folder)
+    check(run("detect", "good.png", "-o", "out"), "cannot write out/corners.png: Is a directory; allowed")
+    assert listing(folder) == before
+
+
+def test_no_place_to_keep_simulators(folder: Path) -> None:
+    result = run("simulate", "good.png", "-o", "out", env={"CORNERSTREAM_CACHE": "good.png"})
+    assert result.exit_code == 1
+    assert "cannot keep simulators in good.png: File exists; allowed" in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
 
 
 def without(module: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -27,7 +27,7 @@ def refusal(kind: type[Exception], image: Any, parameters: Parameters = SMALL, *
 
 
 def test_image_must_be_an_array() -> None:
-    assert refusal(TypeError, [[1, 2], [3, 4]]) == "image is a list; allowed: a NumPy array"
+    assert refusal(TypeError, [[1, 2], [3, 4]]) == "image is a list; allowed: a plain NumPy array"
 
 
 @pytest.mark.parametrize("dtype", [np.uint16, np.int8, np.int64, np.float32, np.float64, np.bool_])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -149,4 +150,7 @@ def test_points_are_what_opencv_takes() -> None:
     )
     points = corners.points()
     assert points.dtype == np.float32
+    # OpenCV refines in place, and refuses what NumPy calls contiguous but has a stride of 0
+    image = np.random.default_rng(0).integers(0, 256, (40, 40), dtype=np.uint8)
+    assert cv2.cornerSubPix(image, corners.points(), (3, 3), (-1, -1), (3, 9, 0.1)).shape == (2, 1, 2)
     assert points.tolist() == [[[7.5, 10.0]], [[9.25, 12.0]]]

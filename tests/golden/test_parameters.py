@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from golden import check_image
 from golden.parameters import MAX_SIDE, PROFILES, Parameters, Settings, profile
 
 RANGES = {
@@ -170,3 +171,14 @@ def test_frozen() -> None:
         Parameters().fit = "six"
     with pytest.raises(FrozenInstanceError):
         Settings().sigma1 = 0.5
+
+
+def test_numpys_integers_are_as_good_as_pythons() -> None:
+    assert Parameters(max_width=np.int64(640)) == Parameters(max_width=640)
+    assert type(Parameters(max_width=np.int64(640)).max_width) is int
+    assert type(Settings(constant=np.uint16(5)).constant) is int
+
+
+def test_only_plain_arrays_are_images() -> None:
+    with pytest.raises(TypeError, match="image is a MaskedArray; allowed: a plain NumPy array"):
+        check_image(np.ma.MaskedArray(np.zeros((20, 20), np.uint8)), Parameters())

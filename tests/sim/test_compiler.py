@@ -12,6 +12,7 @@ import pytest
 
 from sim import CompilationError, CompilerNotFoundError, make_engine
 from sim.compiler import build, cache_directory, find_compiler
+from sim.native import load
 from tests.sim.components import Slice
 
 SOURCE = 'extern "C" __attribute__((visibility("default"))) int answer() { return 42; }\n'
@@ -110,6 +111,21 @@ def test_a_compiler_that_fails_leaves_nothing(tmp_path: Path) -> None:
             directory=tmp_path,
         )
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_program_that_is_no_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("CXX", "true")
+    with pytest.raises(CompilationError, match=r"has made nothing; allowed: a C\+\+ compiler"):
+        build({}, lambda folder: [], includes=[], notify=lambda line: None, directory=tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_broken_library_is_named_and_deleted(tmp_path: Path) -> None:
+    broken = tmp_path / "library.so"
+    broken.write_bytes(b"")
+    with pytest.raises(CompilationError, match=r"cannot be loaded, and was deleted: .*too short"):
+        load(broken)
+    assert not broken.exists()
 
 
 def test_where_the_cache_is(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
