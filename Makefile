@@ -51,7 +51,8 @@ help:  ## this list
 
 $(BIN)/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
-	    echo "Error: $(PYTHON) is $$($(PYTHON) --version 2>&1 || echo missing);" \
+	    found=$$(command -v $(PYTHON) >/dev/null && $(PYTHON) --version 2>&1); \
+	    echo "Error: $(PYTHON) is $${found:-missing};" \
 	         "allowed: Python 3.11 or newer. Try: make PYTHON=python3.11" >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 

@@ -16,6 +16,7 @@ from rich.progress import (
     TextColumn,
     TimeRemainingColumn,
 )
+from rich.table import Table
 
 from cornerstream.images import Photograph
 
@@ -36,6 +37,14 @@ def say(line: str) -> None:
 def files_written(paths: list[Path]) -> None:
     """Name the files that were written."""
     say(f"Written: {', '.join(map(str, paths))}")
+
+
+def show(table: Table) -> None:
+    """A table of results; where it is too wide for the terminal, without blanks beside the figures."""
+    wanted = out.measure(table, options=out.options.update(width=1000)).maximum
+    if wanted > out.width:
+        table.padding = 0
+    out.print(table)
 
 
 @contextmanager

@@ -57,7 +57,7 @@ def detect(image: Path, output: Path | None, as_json: bool, **options: Any) -> N
     if as_json:
         click.echo(corners_json(corners, image=str(image), width=width, height=height))
     else:
-        console.out.print(_table(width, height, corners))
+        console.show(_table(width, height, corners))
 
 
 def _table(width: int, height: int, corners: Corners) -> Table:

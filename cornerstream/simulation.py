@@ -132,7 +132,7 @@ def simulate(image: Path | None, output: Path, **options: Any) -> None:
     written = write_results(output, photograph.pixels, corners[-1])
     if run.vcd:
         written += [run.vcd, save_path(run.vcd)]
-    console.out.print(_table(photograph.pixels, result, corners, mismatches))
+    console.show(_table(photograph.pixels, result, corners, mismatches))
     click.echo(
         f"Simulated {result.clocks:,} clocks in {result.seconds:.2f} s: "
         f"{result.clocks_per_second:,.0f} clocks/s, {engine.name}"
