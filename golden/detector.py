@@ -109,9 +109,8 @@ def detect(
     if reference is None:
         reference = choose_reference(settings, int(responses.max()))
     else:
-        reference = int(reference) if isinstance(reference, np.integer) else reference
         check_integer("reference", reference, 0, parameters.response_max)
-    limits = thresholds(settings, reference, parameters)
+    limits = thresholds(settings, int(reference), parameters)
     return decode(frame_records(responses, limits, parameters, settings.report_rejected))
 
 

@@ -47,6 +47,11 @@ def _top_bits(values: NDArray[np.int64], length: NDArray[np.int64], bits: int) -
     return (values << up) >> down
 
 
+def _quotient(cut: NDArray[np.int64], index: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The product of the cut dividend and the reciprocal, rounded to 1/128."""
+    return (cut * RECIPROCALS[index] + (1 << (PRODUCT_SHIFT - 1))) >> PRODUCT_SHIFT
+
+
 def divide(numerator: NDArray[np.int64], denominator: NDArray[np.int64]) -> NDArray[np.int64]:
     """|numerator| / denominator in units of 1/128, for 0 <= 2·numerator <= denominator < 2**62.
 
@@ -55,7 +60,7 @@ def divide(numerator: NDArray[np.int64], denominator: NDArray[np.int64]) -> NDAr
     length = bit_length(denominator)
     index = _top_bits(denominator, length, INDEX_BITS + 1) - (1 << INDEX_BITS)
     cut = _top_bits(numerator, length, NUMERATOR_BITS + 1)
-    return (cut * RECIPROCALS[index] + (1 << (PRODUCT_SHIFT - 1))) >> PRODUCT_SHIFT
+    return _quotient(cut, index)
 
 
 def worst_error() -> float:
@@ -66,7 +71,7 @@ def worst_error() -> float:
     """
     index = np.arange(1 << INDEX_BITS)[:, None]
     cut = np.arange(1 << NUMERATOR_BITS)[None, :]
-    quotient = ((cut * RECIPROCALS[index] + (1 << (PRODUCT_SHIFT - 1))) >> PRODUCT_SHIFT) / (1 << OFFSET_BITS)
+    quotient = _quotient(cut, index) / (1 << OFFSET_BITS)
     smallest_divisor = ((1 << INDEX_BITS) + index) / (2 << INDEX_BITS)
     largest_divisor = ((1 << INDEX_BITS) + index + 1) / (2 << INDEX_BITS)
     unit = 2.0 ** -(NUMERATOR_BITS + 1)

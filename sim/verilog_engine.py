@@ -6,7 +6,6 @@ and clock loop are those of the compiled engine.
 
 from __future__ import annotations
 
-import ctypes
 import importlib.metadata
 import importlib.util
 import os
@@ -19,11 +18,8 @@ from amaranth.lib import wiring
 
 from sim.compiled_engine import package_text
 from sim.compiler import build, find_compiler, run_tool
-from sim.engine import QUIET, VCD_CLOCKS, Progress
-from sim.native import describe_levels, describe_streams, load, run_native
+from sim.native import NativeEngine, describe_levels, describe_streams
 from sim.ports import Ports, discover
-from sim.stimulus import Capture, Stimulus, prepare
-from sim.waves import write_save_file
 
 _CLASS = "Vdut"
 _GENERATORS = ("verilog_engine.py", "native.py")
@@ -89,8 +85,10 @@ def describe(ports: Ports, present: set[str], *, waves: bool) -> str:
     return text + describe_streams(ports, member) + '#include "harness.h"\n'
 
 
-class VerilogEngine:
+class VerilogEngine(NativeEngine):
     """See :class:`sim.engine.Engine`. From the component it takes the ports only."""
+
+    scope = "TOP"
 
     def __init__(
         self,
@@ -100,6 +98,7 @@ class VerilogEngine:
         notify: Callable[[str], None],
         cache: Path | None = None,
     ) -> None:
+        super().__init__()
         self.ports = discover(component)
         # Nothing is made of it, but Amaranth takes a component that is never elaborated for a mistake.
         Fragment.get(component, platform=None)
@@ -109,7 +108,6 @@ class VerilogEngine:
         self._top, self._present = verilog_ports(self._text)
         self._notify = notify
         self._cache = cache
-        self._libraries: dict[bool, ctypes.CDLL] = {}
 
     def _generate(self, folder: Path, *, waves: bool) -> list[str]:
         self._notify("translating the Verilog to C++")
@@ -144,40 +142,15 @@ class VerilogEngine:
         include = self._root / "include"
         return [include, include / "vltstd"]
 
-    def library(self, *, waves: bool = False) -> ctypes.CDLL:
-        """The compiled design, loaded; with or without the ability to write waves."""
-        if waves not in self._libraries:
-            names = ("harness.h", "verilator_ports.h")
-            path = build(
-                {"design.v": self._text, **{name: package_text(name) for name in names}},
-                lambda folder: self._generate(folder, waves=waves),
-                includes=self._includes(),
-                extra=importlib.metadata.version("verilator")
-                + "".join(map(package_text, _GENERATORS))
-                + str(waves),
-                notify=self._notify,
-                directory=self._cache,
-            )
-            self._libraries[waves] = load(path)
-        return self._libraries[waves]
-
-    def run(
-        self,
-        stimulus: Stimulus,
-        progress: Progress | None = None,
-        vcd: str | Path | None = None,
-        *,
-        vcd_clocks: int = VCD_CLOCKS,
-        quiet: int = QUIET,
-        max_clocks: int | None = None,
-    ) -> Capture:
-        """See :meth:`sim.engine.Engine.run`."""
-        has_reset = "rst" in self._present
-        plan = prepare(self.ports, stimulus, quiet=quiet, max_clocks=max_clocks, has_reset=has_reset)
-        path = None if vcd is None else Path(vcd)
-        library = self.library(waves=path is not None)
-        try:
-            return run_native(library, plan, progress, path, vcd_clocks)
-        finally:
-            if path is not None and path.exists():
-                write_save_file(path, self.ports, "TOP", "clk" if "clk" in self._present else None)
+    def _build(self, *, waves: bool) -> Path:
+        names = ("harness.h", "verilator_ports.h")
+        return build(
+            {"design.v": self._text, **{name: package_text(name) for name in names}},
+            lambda folder: self._generate(folder, waves=waves),
+            includes=self._includes(),
+            extra=importlib.metadata.version("verilator")
+            + "".join(map(package_text, _GENERATORS))
+            + str(waves),
+            notify=self._notify,
+            directory=self._cache,
+        )
