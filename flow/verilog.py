@@ -7,6 +7,7 @@ import subprocess
 import sys
 from dataclasses import fields
 from importlib.metadata import version
+from itertools import count
 
 from amaranth.back import rtlil
 from amaranth.lib import wiring
@@ -40,6 +41,10 @@ _ALL_ZERO = re.compile(r"connect \\DATA \d+'0*$", re.MULTILINE)
 _MODULE = re.compile(r"^module .*?^end\n", re.MULTILINE | re.DOTALL)
 _DERIVED_WIRE = re.compile(r"^  wire (?!.*(?:input|output|inout) ).*?\\(\$\S+)$", re.MULTILINE)
 _DERIVED_NAME = re.compile(r"(?<=[\s{])\\(\$[^\s\[]+)")
+_ESCAPED = re.compile(r"\\(\S+) ")
+_PLAIN = re.compile(r"[A-Za-z_]\w*")
+# what is left of the initial value of a register that goes by another name
+_LEFTOVER = re.compile(r"^  \(\* init = .* \*\)\n", re.MULTILINE)
 
 
 class VerilogError(RuntimeError):
@@ -81,7 +86,27 @@ def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
     )
     if yosys.returncode:
         raise VerilogError(yosys.stderr.strip())
-    return _heading(name, remarks) + yosys.stdout.partition("*/\n")[2].lstrip()
+    text = _LEFTOVER.sub("", yosys.stdout.partition("*/\n")[2].lstrip())
+    return _heading(name, remarks) + plain_names(text)
+
+
+def plain_names(text: str) -> str:
+    """Verilog without escaped identifiers, which many tools show badly or not at all.
+
+    What a plain identifier cannot hold becomes an underscore: ``\\cornerstream.response_buffer `` is
+    ``cornerstream_response_buffer`` then. A name that is taken, or a keyword of a later Verilog, gets a number.
+    The same name becomes the same everywhere in the text, so modules still fit their instances.
+    """
+    escaped = dict.fromkeys(_ESCAPED.findall(text))
+    taken = set(_PLAIN.findall(_ESCAPED.sub(" ", text))) | set(escaped)
+    chosen: dict[str, str] = {}
+    for name in escaped:
+        stem = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "_"
+        stem = f"_{stem}" if stem[0].isdigit() else stem
+        choices = (stem if k == 0 else f"{stem}_{k}" for k in count())
+        chosen[name] = next(choice for choice in choices if choice not in taken)
+        taken.add(chosen[name])
+    return _ESCAPED.sub(lambda match: chosen[match[1]], text)
 
 
 def _without_zeros(module: str) -> str:
