@@ -7,6 +7,8 @@ import click
 from cornerstream.bench import bench
 from cornerstream.detection import detect
 from cornerstream.errors import OneLineGroup
+from cornerstream.export import export
+from cornerstream.report import report
 from cornerstream.simulation import simulate
 from cornerstream.verilog import verilog
 from flow.version import VERSION
@@ -26,10 +28,11 @@ def main() -> None:
       cornerstream simulate photo.jpg        ... on your own
       cornerstream detect photo.jpg --json   the golden model only
       cornerstream verilog -o core.v         the core, for your synthesis tool
+      cornerstream export -o project         the core, as a Quartus project
 
     Exit codes: 0 all well, 1 hardware and golden model differ or the run failed, 2 bad input.
     """
 
 
-for command in (simulate, detect, verilog, bench):
+for command in (simulate, detect, verilog, export, report, bench):
     main.add_command(command)

@@ -46,9 +46,19 @@ detector_options = _together(
     _choice("--fit", Fit, "Subpixel surface; 'printed' is the paper's misprint (golden model only)."),
     _choice("--patches", Patches, "Patches of the texture filter: 3x3 regions or single pixels."),
     _choice("--buffering", Buffering, "Line buffers: N+1 banks as the paper, or N-1 rows."),
-    click.option("--max-width", type=int, default=_PLAIN.max_width, show_default=True, help="Built maximum."),
     click.option(
-        "--max-height", type=int, default=_PLAIN.max_height, show_default=True, help="Built maximum."
+        *("--max-width", "--width"),
+        type=int,
+        default=_PLAIN.max_width,
+        show_default=True,
+        help="Built maximum.",
+    ),
+    click.option(
+        *("--max-height", "--height"),
+        type=int,
+        default=_PLAIN.max_height,
+        show_default=True,
+        help="Built maximum.",
     ),
 )
 

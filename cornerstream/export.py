@@ -1,0 +1,99 @@
+"""``cornerstream export``: a project for Quartus."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cornerstream import console
+from cornerstream.errors import BadInput, Failed, bad_input, one_line, reason
+from cornerstream.files import prepare_folder, write_all
+from cornerstream.options import detector_options, output_option, parameters_from
+from flow.quartus.project import DEVICE, MANIFEST, project_files
+from flow.verilog import VerilogError
+
+
+@click.command(short_help="Quartus project.")
+@output_option("build/quartus", "Folder of the project.")
+@detector_options
+@click.option("--pixel-bits", type=int, default=8, show_default=True, help="Width of a pixel, 4 to 10.")
+@click.option("--clock", type=float, default=100.0, show_default=True, metavar="MHZ", help="Clock asked for.")
+@click.option("--force", is_flag=True, help="Write into a folder that holds other files, too.")
+def export(output: Path, clock: float, force: bool, **options: Any) -> None:
+    """Write the core as a Quartus project: Verilog, settings, constraints, and a script that compiles it.
+
+    An earlier export in the same folder is replaced; what Quartus made of it stays.
+
+    \b
+    Examples:
+      cornerstream export
+      cornerstream export -o q720 --profile robust --width 1280 --height 720 --clock 150
+      cd build/quartus && quartus_sh -t compile.tcl
+    """
+    parameters = parameters_from(options, hardware=True)
+    old = _old_files(output, force=force)
+    with console.activity("Generating Verilog"):
+        try:
+            with bad_input():
+                files = project_files(parameters, clock_mhz=clock)
+        except VerilogError as error:
+            raise Failed(f"Yosys: {one_line(error)}") from error
+    _write(output, files, old)
+    console.say(
+        f"Written: {output}, {len(files)} files: {DEVICE}, up to {parameters.max_width}x{parameters.max_height} "
+        f"pixels, {clock:g} MHz. Next, in that folder: quartus_sh -t compile.tcl"
+    )
+
+
+def _old_files(folder: Path, *, force: bool) -> set[str]:
+    """Files of an earlier export into this folder; :class:`BadInput` if it is somebody else's."""
+    if folder.exists() and not folder.is_dir():
+        raise BadInput(f"{folder} is no folder; allowed: a folder that can be written")
+    try:
+        if not folder.exists() or not any(folder.iterdir()):
+            return set()
+        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        return {name for name in manifest["files"] if _is_inside(name)}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        if force:
+            return set()
+        raise BadInput(
+            f"{folder} holds files that are no earlier export; allowed: an empty or a new folder, or --force"
+        ) from error
+
+
+def _is_inside(name: str) -> bool:
+    path = Path(name)
+    return not path.is_absolute() and ".." not in path.parts
+
+
+def _write(folder: Path, files: Mapping[str, str], old: set[str]) -> None:
+    """Write the whole project, or nothing of it; then remove what belonged to the old one only."""
+    contents = {name: text.encode() for name, text in files.items()}
+    if folder.exists():
+        _write_into(folder, contents)
+        for name in old - set(files):
+            (folder / name).unlink(missing_ok=True)
+        return
+    prepare_folder(folder.parent)
+    made = folder.parent / f".{folder.name}-{os.getpid()}"
+    try:
+        made.mkdir()
+        _write_into(made, contents)
+        os.replace(made, folder)
+    except OSError as error:
+        raise BadInput(f"cannot write {folder}: {reason(error)}; allowed: a new folder") from error
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
+
+
+def _write_into(folder: Path, contents: Mapping[str, bytes]) -> None:
+    for place in {(folder / name).parent for name in contents}:
+        prepare_folder(place)
+    write_all({folder / name: content for name, content in contents.items()})

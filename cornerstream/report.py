@@ -1,0 +1,67 @@
+"""``cornerstream report``: what Quartus made of an exported project."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+from rich.table import Table
+
+from cornerstream import console
+from cornerstream.errors import BadInput, one_line
+from flow.quartus.summaries import QuartusReport, ReportError, read_report
+
+
+@click.command(short_help="Area and timing that Quartus reports.")
+@click.option(
+    "--quartus",
+    "folder",
+    type=click.Path(path_type=Path),
+    default="build/quartus",
+    show_default=True,
+    metavar="DIR",
+    help="Folder of a compiled project.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON instead of a table.")
+def report(folder: Path, as_json: bool) -> None:
+    """Show area and timing of a project that Quartus has compiled, from its Fitter's and Timing Analyzer's summaries.
+
+    \b
+    Examples:
+      cornerstream report --quartus build/quartus
+      cornerstream report --quartus build/quartus --json
+    """
+    try:
+        found = read_report(folder)
+    except ReportError as error:
+        raise BadInput(one_line(error)) from error
+    if as_json:
+        click.echo(json.dumps({**asdict(found), "fmax_mhz": found.fmax_mhz}))
+    else:
+        console.show(_table(found))
+
+
+def _table(found: QuartusReport) -> Table:
+    table = Table(title=f"{found.revision} in {found.device}, {found.version}", title_justify="left")
+    figures = {
+        "LE": f"{found.logic_elements:,}",
+        "LUT4": f"{found.lut4:,}",
+        "FF": f"{found.ff:,}",
+        "memory bits": f"{found.memory_bits:,}",
+        "multipliers": str(found.multipliers),
+        "setup slack": _nanoseconds(found.setup_slack),
+        "hold slack": _nanoseconds(found.hold_slack),
+        "Fmax": "-" if found.fmax_mhz is None else f"{found.fmax_mhz:.1f} MHz",
+    }
+    for heading in figures:
+        table.add_column(heading, justify="right")
+    table.add_row(*figures.values())
+    if found.fmax_mhz is not None:
+        table.caption = f"Fmax from the worst setup slack at a period of {found.period:g} ns"
+    return table
+
+
+def _nanoseconds(slack: float | None) -> str:
+    return "-" if slack is None else f"{slack:.3f} ns"

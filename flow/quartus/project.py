@@ -1,0 +1,137 @@
+"""The folder that an engineer opens with Quartus: Verilog, project, constraints, and one script that compiles it."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from flow.quartus.memories import Memory, find_memories, with_attributes
+from flow.verilog import MODULE, emit_verilog
+from flow.version import VERSION
+from golden import Parameters
+
+FAMILY = "Cyclone IV GX"
+DEVICE = "EP4CGX150CF23C8"
+"""The paper's device."""
+MANIFEST = f"{MODULE}.json"
+"""By this file a folder is known as exported: what was built, and the files that belong to it."""
+SOURCES = "rtl"
+
+_TEMPLATES = Path(__file__).parent / "templates"
+_PROJECT = (f"{MODULE}.qpf", f"{MODULE}.qsf", f"{MODULE}.sdc", "compile.tcl", "README.md")
+_MODULE = re.compile(r"^module (\w+)\(.*?^endmodule\n", re.MULTILINE | re.DOTALL)
+_PORT = re.compile(r"^  (input|output) (?:\[(\d+):0\] )?(\w+);", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Port:
+    """A port of a Verilog module."""
+
+    name: str
+    direction: str
+    width: int
+
+    @property
+    def pins(self) -> list[str]:
+        """One name per bit, as Quartus has them."""
+        return [self.name] if self.width == 1 else [f"{self.name}[{bit}]" for bit in range(self.width)]
+
+
+def ports_of(body: str) -> list[Port]:
+    """The ports of one Verilog module, sorted by name."""
+    found = [Port(name, kind, int(high or 0) + 1) for kind, high, name in _PORT.findall(body)]
+    return sorted(found, key=lambda port: port.name)
+
+
+def split_modules(text: str) -> tuple[str, dict[str, str]]:
+    """The opening comment of emitted Verilog, and its modules by name, the top first."""
+    heading = text[: text.index("\nmodule ") + 1]
+    return heading, {match[1]: match[0] for match in _MODULE.finditer(text)}
+
+
+def project_files(parameters: Parameters, *, clock_mhz: float = 100.0) -> dict[str, str]:
+    """All files of the Quartus project, by path relative to its folder.
+
+    Parameters
+    ----------
+    parameters
+        The detector.
+    clock_mhz
+        The clock that is asked for; it stands in the .sdc as a period, and nowhere else.
+
+    Raises
+    ------
+    ValueError
+        The clock is no positive number, or the parameters are not to be built.
+    flow.verilog.VerilogError
+        Yosys refused the design.
+    """
+    if not 0 < clock_mhz < 1e5:
+        raise ValueError(f"clock is {clock_mhz!r}; allowed: MHz, more than 0 and less than 100000")
+    heading, modules = split_modules(emit_verilog(parameters))
+    sources = {
+        f"{SOURCES}/{name}.v": _title(heading, name) + with_attributes(body) for name, body in modules.items()
+    }
+    memories = [memory for name, body in modules.items() for memory in find_memories(name, body)]
+    ports = ports_of(modules[MODULE])
+    facts: dict[str, Any] = {
+        "clock_mhz": clock_mhz,
+        "device": DEVICE,
+        "family": FAMILY,
+        "memories": _grouped(memories),
+        "memory_bits": sum(memory.bits for memory in memories),
+        "modules": sorted(modules),
+        "name": MODULE,
+        "parameters": asdict(parameters),
+        "period": 1000 / clock_mhz,
+        "ports": ports,
+        "sources": sorted(sources),
+        "version": VERSION,
+        "virtual_pins": [pin for port in ports if port.name != "clk" for pin in port.pins],
+    }
+    files = sources | {name: _render(name, facts) for name in _PROJECT}
+    manifest = {
+        "generator": f"cornerstream {VERSION}",
+        "amaranth": version("amaranth"),
+        "parameters": asdict(parameters),
+        "clock_mhz": clock_mhz,
+        "device": DEVICE,
+        "files": sorted([*files, MANIFEST]),
+    }
+    return files | {MANIFEST: json.dumps(manifest, indent=2) + "\n"}
+
+
+def _title(heading: str, name: str) -> str:
+    if name == MODULE:
+        return heading
+    _, _, rest = heading.partition("\n")
+    return f"// {name}: a block of {MODULE}, the streaming corner detector\n{rest}"
+
+
+def _grouped(memories: list[Memory]) -> list[dict[str, Any]]:
+    # banks of one buffer differ in name only
+    groups: dict[tuple[str, str, int, int], list[str]] = {}
+    for memory in memories:
+        groups.setdefault((memory.module, memory.kind, memory.width, memory.depth), []).append(memory.name)
+    return [
+        {"module": module, "kind": kind, "width": width, "depth": depth, "names": names}
+        for (module, kind, width, depth), names in groups.items()
+    ]
+
+
+def _render(name: str, facts: dict[str, Any]) -> str:
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_TEMPLATES),
+        undefined=jinja2.StrictUndefined,
+        keep_trailing_newline=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        autoescape=False,
+    )
+    return environment.get_template(f"{name}.j2").render(facts)
