@@ -100,7 +100,7 @@ def project_files(parameters: Parameters, *, clock_mhz: float = 100.0) -> dict[s
         "generator": f"cornerstream {VERSION}",
         "amaranth": version("amaranth"),
         "parameters": asdict(parameters),
-        "clock_mhz": clock_mhz,
+        "clock_mhz": float(clock_mhz),
         "device": DEVICE,
         "files": sorted([*files, MANIFEST]),
     }

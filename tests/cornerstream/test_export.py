@@ -1,0 +1,281 @@
+"""The commands around Quartus: a folder that is written whole or not at all, and reports read back."""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from cornerstream.cli import main
+from flow import quartus
+from golden import profile
+
+SIZE = ("--width", "40", "--height", "32")
+
+# each project takes seconds to make
+project_files = cache(quartus.project_files)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cornerstream.export.project_files", project_files)
+    return tmp_path
+
+
+def run(*arguments: str, code: int = 0) -> Result:
+    result = CliRunner().invoke(main, arguments, prog_name="cornerstream")
+    assert result.exit_code == code, result.output
+    if code:
+        assert result.stdout == ""
+        assert result.stderr.startswith("Error: ") and result.stderr.count("\n") == 1
+    return result
+
+
+def contents(folder: Path) -> dict[str, str]:
+    return {str(path.relative_to(folder)): path.read_text() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_export_writes_the_project() -> None:
+    result = run("export", "-o", "deep/project", *SIZE, "--profile", "robust", "--clock", "150")
+    parameters = profile("robust", max_width=40, max_height=32)
+    assert contents(Path("deep/project")) == project_files(parameters, clock_mhz=150.0)
+    assert "set period 6.6667\n" in Path("deep/project/cornerstream.sdc").read_text()
+    assert result.stdout == "" and "Written: deep/project, " in result.stderr
+    assert "quartus_sh -t compile.tcl" in Path("deep/project/README.md").read_text()
+    # nothing else, such as folders half made
+    assert [path.name for path in Path("deep").iterdir()] == ["project"]
+    assert os.stat("deep/project").st_mode & 0o777 == 0o777 & ~_umask()
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def test_another_export_replaces_the_first_and_keeps_what_quartus_made() -> None:
+    run("export", "-o", "project", *SIZE)
+    Path("project/output_files").mkdir()
+    Path("project/output_files/cornerstream.fit.summary").write_text("of Quartus")
+    # a block that the earlier export had, and one that is none of ours
+    manifest = json.loads(Path("project/cornerstream.json").read_text())
+    manifest["files"] += ["rtl/cornerstream_gone.v", "../outside.v"]
+    Path("project/cornerstream.json").write_text(json.dumps(manifest))
+    for name in ("project/rtl/cornerstream_gone.v", "project/rtl/mine.v", "outside.v"):
+        Path(name).write_text("module gone; endmodule\n")
+    run("export", "-o", "project", *SIZE, "--buffering", "lean")
+    found = contents(Path("project"))
+    assert found.pop("output_files/cornerstream.fit.summary") == "of Quartus"
+    assert found.pop("rtl/mine.v") and Path("outside.v").exists()
+    assert found == project_files(
+        profile("paper", buffering="lean", max_width=40, max_height=32), clock_mhz=100.0
+    )
+
+
+@pytest.mark.parametrize("manifest", [None, "{}", '{"files": 3}', "[]", "no JSON"])
+def test_a_foreign_folder_is_left_alone(manifest: str | None) -> None:
+    Path("mine").mkdir()
+    Path("mine/thesis.tex").write_text("years of work")
+    if manifest is not None:
+        Path("mine/cornerstream.json").write_text(manifest)
+    before = contents(Path("mine"))
+    result = run("export", "-o", "mine", *SIZE, code=2)
+    assert "mine holds files that are no earlier export; allowed: an empty or a new folder" in result.stderr
+    assert contents(Path("mine")) == before
+    run("export", "-o", "mine", *SIZE, "--force")
+    assert Path("mine/thesis.tex").read_text() == "years of work"
+    assert Path("mine/compile.tcl").is_file()
+
+
+def test_an_empty_folder_will_do() -> None:
+    Path("empty").mkdir()
+    run("export", "-o", "empty", *SIZE)
+    assert Path("empty/cornerstream.qpf").is_file()
+
+
+def test_nothing_is_half_written(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+    replace, calls = os.replace, 0
+
+    def full(source: Any, target: Any) -> None:
+        nonlocal calls
+        calls += 1
+        if calls > 5:
+            raise OSError(28, "No space left on device")
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", full)
+    result = run("export", "-o", "project", *SIZE, code=2)
+    assert calls > 5 and "No space left on device" in result.stderr
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--clock", "0"), "clock is 0.0; allowed: MHz, more than 0"),
+        (("--clock", "fast"), "'fast' is not a valid float"),
+        (("--width", "14"), "max_width is 14; allowed: whole numbers from 15"),
+        (("--fit", "printed"), "fit is 'printed', which only the golden model has"),
+        (("-o", "file"), "file is no folder"),
+    ],
+)
+def test_bad_input(options: tuple[str, ...], message: str, folder: Path) -> None:
+    Path("file").touch()
+    result = run("export", "-o", "project", *SIZE, *options, code=2)
+    assert message in result.stderr
+    assert [path.name for path in folder.iterdir()] == ["file"]
+
+
+# Written by hand after the published form of these files: no compilation of this core has been seen.
+FIT = """\
+Fitter Status : Successful - Sun Nov 22 12:00:00 2026
+Quartus Prime Version : 22.1std.0 Build 915 10/25/2022 SC Lite Edition
+Revision Name : cornerstream
+Top-level Entity Name : cornerstream
+Family : Cyclone IV GX
+Device : EP4CGX150CF23C8
+Timing Models : Final
+Total logic elements : 5,123 / 149,760 ( 3 % )
+    Total combinational functions : 4,100 / 149,760 ( 3 % )
+    Dedicated logic registers : 3,456 / 149,760 ( 2 % )
+Total registers : 3456
+Total pins : 1 / 287 ( < 1 % )
+Total virtual pins : 186
+Total memory bits : 591,699 / 6,635,520 ( 9 % )
+Embedded Multiplier 9-bit elements : 0 / 720 ( 0 % )
+Total GXB Receiver Channel PCS : 0 / 4 ( 0 % )
+Total GXB Receiver Channel PMA : 0 / 4 ( 0 % )
+Total PLLs : 0 / 6 ( 0 % )
+"""
+STA = """\
+------------------------------------------------------------
+Timing Analyzer Summary
+------------------------------------------------------------
+
+Type  : Slow 1200mV 85C Model Setup 'clk'
+Slack : 1.250
+TNS   : 0.000
+
+Type  : Slow 1200mV 85C Model Hold 'clk'
+Slack : 0.402
+TNS   : 0.000
+
+Type  : Slow 1200mV 85C Model Minimum Pulse Width 'clk'
+Slack : 0.100
+TNS   : 0.000
+
+Type  : Slow 1200mV 0C Model Setup 'clk'
+Slack : 1.981
+TNS   : 0.000
+
+Type  : Fast 1200mV 0C Model Setup 'clk'
+Slack : 5.627
+TNS   : 0.000
+
+Type  : Fast 1200mV 0C Model Hold 'clk'
+Slack : 0.153
+TNS   : 0.000
+
+------------------------------------------------------------
+"""
+
+
+def compiled(fit: str = FIT, sta: str = STA, place: str = "project/output_files") -> None:
+    """Leave an exported project as a compilation does."""
+    if not Path("project").exists():
+        run("export", "-o", "project", *SIZE, "--clock", "125")
+    Path(place).mkdir(exist_ok=True)
+    Path(place, "cornerstream.fit.summary").write_text(fit)
+    Path(place, "cornerstream.sta.summary").write_text(sta)
+
+
+@pytest.mark.parametrize("given", ["project", "project/output_files"])
+def test_report_as_json(given: str) -> None:
+    compiled()
+    assert json.loads(run("report", "--quartus", given, "--json").stdout) == {
+        "revision": "cornerstream",
+        "device": "EP4CGX150CF23C8",
+        "version": "Quartus 22.1std.0 Build 915 10/25/2022 SC Lite Edition",
+        "logic_elements": 5123,
+        "lut4": 4100,
+        "ff": 3456,
+        "memory_bits": 591699,
+        "multipliers": 0,
+        # the worst of all operating conditions
+        "setup_slack": 1.25,
+        "hold_slack": 0.153,
+        "period": 8.0,
+        "fmax_mhz": pytest.approx(1000 / 6.75),
+    }
+
+
+def test_report_as_table() -> None:
+    compiled()
+    text = run("report", "--quartus", "project").stdout
+    for part in (
+        "EP4CGX150CF23C8",
+        "5,123",
+        "4,100",
+        "3,456",
+        "591,699",
+        "1.250 ns",
+        "0.153 ns",
+        "148.1 MHz",
+    ):
+        assert part in text
+    assert "at a period of 8 ns" in text
+
+
+def test_missed_timing_and_older_versions() -> None:
+    older = FIT.replace("Quartus Prime Version : 22.1std.0", "Quartus II 64-Bit Version : 10.1")
+    compiled(older, STA.replace("Timing Analyzer", "TimeQuest Timing Analyzer").replace(" 1.250", " -2.000"))
+    found = json.loads(run("report", "--quartus", "project", "--json").stdout)
+    assert found["setup_slack"] == -2.0 and found["fmax_mhz"] == pytest.approx(100.0)
+    assert found["version"].startswith("Quartus 10.1 ")
+
+
+def test_without_a_period_there_is_slack_but_no_fmax() -> None:
+    Path("project").mkdir()
+    compiled()
+    assert json.loads(run("report", "--quartus", "project", "--json").stdout)["fmax_mhz"] is None
+    text = run("report", "--quartus", "project").stdout
+    assert "1.250 ns" in text and "MHz" not in text
+
+
+def without(text: str, line: str) -> str:
+    assert line in text
+    return "".join(kept for kept in text.splitlines(keepends=True) if line not in kept)
+
+
+@pytest.mark.parametrize(
+    ("fit", "sta", "message"),
+    [
+        ("", STA, "Fitter Status is 'missing'; allowed: a successful compilation"),
+        (FIT.replace("Successful", "Failed"), STA, "Fitter Status is 'Failed - Sun Nov"),
+        (without(FIT, "Total logic elements"), STA, "no figure 'Total logic elements'; allowed: a Fitter"),
+        (FIT.replace(" 591,699 /", " some /"), STA, "no figure 'Total memory bits'"),
+        (FIT, "", "no slack of any clock; allowed: a summary of the Timing Analyzer"),
+        (FIT, FIT, "no slack of any clock"),
+    ],
+)
+def test_foreign_reports(fit: str, sta: str, message: str) -> None:
+    compiled(fit, sta)
+    assert message in run("report", "--quartus", "project", code=2).stderr
+
+
+def test_missing_reports() -> None:
+    assert "nowhere is no folder" in run("report", "--quartus", "nowhere", code=2).stderr
+    run("export", "-o", "project", *SIZE)
+    message = "no *.fit.summary in project and project/output_files; allowed: one, of a compiled"
+    assert message in run("report", "--quartus", "project", code=2).stderr
+    compiled()
+    Path("project/output_files/cornerstream.sta.summary").unlink()
+    assert "no *.sta.summary in" in run("report", "--quartus", "project", code=2).stderr
+    Path("project/other.fit.summary").write_text(FIT)
+    assert "2 files *.fit.summary in" in run("report", "--quartus", "project", code=2).stderr
