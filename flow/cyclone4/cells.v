@@ -1,0 +1,75 @@
+// Behaviour of the cells that the map uses, and of nothing else of the device.
+
+module cycloneiv_lcell_comb (combout, cout, dataa, datab, datac, datad, cin);
+  parameter [15:0] lut_mask = 16'hFFFF;
+  parameter sum_lutc_input = "datac";
+  output combout, cout;
+  input dataa, datab, datac, datad, cin;
+  // the carry out never sees datad, so in arithmetic mode, with datad high, each half of the mask is one table
+  assign combout = lut_mask[{datad, sum_lutc_input == "cin" ? cin : datac, datab, dataa}];
+  assign cout = lut_mask[{1'b0, cin, datab, dataa}];
+endmodule
+
+module dffeas (q, d, clk, clrn, prn, ena, asdata, aload, sclr, sload);
+  parameter power_up = "low";
+  output reg q;
+  input d, clk, clrn, prn, ena, asdata, aload, sclr, sload;
+  initial q = power_up == "high";
+  // clrn, prn and aload are asynchronous; the map ties them off
+  always @(posedge clk)
+    if (ena)
+      q <= !sclr && (sload ? asdata : d);
+endmodule
+
+// RAM with one write port (a) and one read port (b), or a table with two read ports, on one clock. A read of the
+// word that is written in the same clock gives the old one. "contents" stands in for init_file, which names a file.
+module altsyncram (clock0, clocken0, address_a, data_a, wren_a, rden_a, q_a, address_b, rden_b, q_b);
+  parameter operation_mode = "DUAL_PORT";
+  parameter intended_device_family = "Cyclone IV GX";
+  parameter ram_block_type = "M9K";
+  parameter width_a = 9;
+  parameter widthad_a = 10;
+  parameter numwords_a = 1024;
+  parameter outdata_reg_a = "UNREGISTERED";
+  parameter clock_enable_output_a = "BYPASS";
+  parameter width_b = 9;
+  parameter widthad_b = 10;
+  parameter numwords_b = 1024;
+  parameter address_reg_b = "CLOCK0";
+  parameter rdcontrol_reg_b = "CLOCK0";
+  parameter outdata_reg_b = "UNREGISTERED";
+  parameter clock_enable_output_b = "BYPASS";
+  parameter read_during_write_mode_mixed_ports = "OLD_DATA";
+  parameter power_up_uninitialized = "FALSE";
+  parameter [9215:0] contents = 0;
+  input clock0, clocken0, wren_a, rden_a, rden_b;
+  input [widthad_a-1:0] address_a;
+  input [width_a-1:0] data_a;
+  output [width_a-1:0] q_a;
+  input [widthad_b-1:0] address_b;
+  output [width_b-1:0] q_b;
+
+  reg [width_a-1:0] words [0:numwords_a-1];
+  reg [width_a-1:0] read_a, registered_a;
+  reg [width_b-1:0] read_b, registered_b;
+  integer k;
+  initial begin
+    {read_a, registered_a, read_b, registered_b} = 0;
+    for (k = 0; k < numwords_a; k = k + 1)
+      words[k] = contents >> (k * width_a);
+  end
+  always @(posedge clock0) begin
+    if (rden_a)
+      read_a <= words[address_a];
+    if (rden_b)
+      read_b <= words[address_b];
+    if (wren_a)
+      words[address_a] <= data_a;
+    if (clock_enable_output_a == "BYPASS" || clocken0)
+      registered_a <= read_a;
+    if (clock_enable_output_b == "BYPASS" || clocken0)
+      registered_b <= read_b;
+  end
+  assign q_a = outdata_reg_a == "CLOCK0" ? registered_a : read_a;
+  assign q_b = outdata_reg_b == "CLOCK0" ? registered_b : read_b;
+endmodule

