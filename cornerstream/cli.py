@@ -11,6 +11,7 @@ from cornerstream.export import export
 from cornerstream.report import report
 from cornerstream.simulation import simulate
 from cornerstream.synth import synth
+from cornerstream.tables import tables
 from cornerstream.verilog import verilog
 from flow.version import VERSION
 
@@ -36,5 +37,5 @@ def main() -> None:
     """
 
 
-for command in (simulate, detect, verilog, export, report, synth, bench):
+for command in (simulate, detect, verilog, export, report, synth, tables, bench):
     main.add_command(command)

@@ -1,0 +1,72 @@
+"""``cornerstream tables``: the comparison page, and every figure of ours on it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from cornerstream import console
+from cornerstream.errors import BadInput, Failed, one_line, reason
+from cornerstream.files import prepare_folder, write_all
+from cornerstream.options import output_option
+from evaluation.comparison import FIGURES_NAME, PAGE_NAME, page
+from evaluation.figures import SIZES, FigureError, Record, builds, measure
+from sim import CompilationError, CompilerNotFoundError, SimulationError
+from sim.compiler import find_compiler
+
+CACHE = Path("build") / "comparison"
+
+
+@click.command(short_help="The paper's tables beside our figures.")
+@output_option(None, f"Folder for {PAGE_NAME} and {FIGURES_NAME}.  [default: docs, or {CACHE} with --quick]")
+@click.option(
+    "--page", "page_only", is_flag=True, help=f"Measure nothing: write the page from {FIGURES_NAME}."
+)
+@click.option("--quick", is_flag=True, help="Frames of 200x200 only, and no place and route.")
+@click.option("--no-synthesis", is_flag=True, help="Leave out area, too; memory bits and clocks remain.")
+def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool) -> None:
+    """Measure area, speed and clocks per frame of every build, and set them beside the paper's Tables 1 to 4.
+
+    Takes about half an hour, and the tools of pip install 'cornerstream[synth]'. What was measured before
+    and cannot have changed is taken from build/comparison; remove that folder to measure all anew.
+
+    \b
+    Examples:
+      cornerstream tables
+      cornerstream tables --quick
+      cornerstream tables --page
+    """
+    folder = output if output is not None else CACHE if quick else Path("docs")
+    prepare_folder(folder)
+    if page_only:
+        figures, files = _read(folder / FIGURES_NAME), {}
+    else:
+        figures = _measure(quick=quick, synthesis=not no_synthesis)
+        files = {folder / FIGURES_NAME: (json.dumps(figures, indent=1) + "\n").encode()}
+    files[folder / PAGE_NAME] = page(figures).encode()
+    write_all(files)
+    console.files_written(list(files))
+
+
+def _read(path: Path) -> Record:
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise BadInput(f"cannot read {path}: {reason(error)}; allowed: what was measured before") from error
+    except ValueError as error:
+        raise BadInput(f"{path} is no JSON; allowed: what was measured before") from error
+
+
+def _measure(*, quick: bool, synthesis: bool) -> Record:
+    from flow.yowasp import ToolError, ToolNotFoundError
+
+    chosen = builds(SIZES[-1:]) if quick else builds()
+    try:
+        find_compiler()
+        return measure(chosen, CACHE, synthesis=synthesis, place=synthesis and not quick, notify=console.say)
+    except (CompilerNotFoundError, ToolNotFoundError) as error:
+        raise BadInput(one_line(error)) from error
+    except (CompilationError, FigureError, SimulationError, ToolError) as error:
+        raise Failed(one_line(error)) from error
