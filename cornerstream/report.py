@@ -44,22 +44,24 @@ def report(folder: Path, as_json: bool) -> None:
 
 
 def _table(found: QuartusReport) -> Table:
-    table = Table(title=f"{found.revision} in {found.device}, {found.version}", title_justify="left")
+    table = Table(title=f"{found.revision} in {found.device}\n{found.version}", title_justify="left")
     figures = {
-        "LE": f"{found.logic_elements:,}",
         "LUT4": f"{found.lut4:,}",
         "FF": f"{found.ff:,}",
+        "LE": f"{found.le:,}",
+        "M9K": "-" if found.m9k is None else f"{found.m9k:,}",
         "memory bits": f"{found.memory_bits:,}",
-        "multipliers": str(found.multipliers),
-        "setup slack": _nanoseconds(found.setup_slack),
-        "hold slack": _nanoseconds(found.hold_slack),
+        "9x9 mult.": f"{found.multipliers:,}",
+        "setup": _nanoseconds(found.setup_slack),
+        "hold": _nanoseconds(found.hold_slack),
         "Fmax": "-" if found.fmax_mhz is None else f"{found.fmax_mhz:.1f} MHz",
     }
     for heading in figures:
         table.add_column(heading, justify="right")
     table.add_row(*figures.values())
+    table.caption = "setup, hold: the smallest slack of all operating conditions"
     if found.fmax_mhz is not None:
-        table.caption = f"Fmax from the worst setup slack at a period of {found.period:g} ns"
+        table.caption += f"; Fmax from that of setup, at a period of {found.period:g} ns"
     return table
 
 

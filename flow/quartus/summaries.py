@@ -1,7 +1,8 @@
-"""What a compilation with Quartus leaves behind: ``*.fit.summary`` and ``*.sta.summary``.
+"""What a compilation with Quartus leaves behind: ``*.fit.summary``, ``*.sta.summary``, and ``*.fit.rpt`` for M9Ks.
 
-Both are plain text. The Fitter's has one line per figure, ``name : used / available ( percent )``, the Timing
-Analyzer's three per clock, check and operating condition: type, slack in ns, total negative slack.
+All are plain text. The Fitter's has one line per figure, ``name : used / available ( percent )``, the Timing
+Analyzer's three per clock, check and operating condition: type, slack in ns, total negative slack. Blocks of RAM are
+counted in the Fitter's long report only, which may be missing.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from pathlib import Path
 
 _FOLDERS = (".", "output_files")
 _FIGURES = {
-    "logic_elements": "Total logic elements",
+    "le": "Total logic elements",
     "lut4": "Total combinational functions",
     "ff": "Dedicated logic registers",
     "memory_bits": "Total memory bits",
@@ -23,6 +24,7 @@ _CHECK = re.compile(
     r"\s*^Slack\s*: (?P<slack>-?\d+(?:\.\d+)?)\s*$",
     re.MULTILINE,
 )
+_M9K = re.compile(r"^; M9Ks +; ([\d,]+) / ", re.MULTILINE)
 _PERIOD = re.compile(r"^\s*set period (\d+(?:\.\d+)?)\s*$", re.MULTILINE)
 
 
@@ -38,8 +40,12 @@ class QuartusReport:
     ----------
     revision, device, version
         Of the project, and of Quartus.
-    logic_elements, lut4, ff, memory_bits, multipliers
-        Used: in all, with their LUT used, with their flip-flop used; bits; 9-bit multipliers.
+    le, lut4, ff
+        Logic elements: in all, with their LUT used, with their flip-flop used.
+    memory_bits, multipliers
+        Used; multipliers in elements of 9x9 bits.
+    m9k
+        Blocks of RAM; None without the Fitter's long report.
     setup_slack, hold_slack
         The smallest of all clocks and operating conditions, in ns; None where the analyzer gives none.
     period
@@ -49,11 +55,12 @@ class QuartusReport:
     revision: str
     device: str
     version: str
-    logic_elements: int
+    le: int
     lut4: int
     ff: int
     memory_bits: int
     multipliers: int
+    m9k: int | None
     setup_slack: float | None
     hold_slack: float | None
     period: float | None
@@ -94,6 +101,7 @@ def read_report(folder: Path) -> QuartusReport:
         version=f"Quartus {version}",
         setup_slack=min((slack for check, slack in slacks if check == "Setup"), default=None),
         hold_slack=min((slack for check, slack in slacks if check == "Hold"), default=None),
+        m9k=_blocks(fit_path.with_suffix(".rpt")),
         period=_period(fit_path.parent, folder),
         **figures,
     )
@@ -123,6 +131,13 @@ def _figure(values: dict[str, str], name: str, path: Path) -> int:
     if match is None:
         raise ReportError(f"{path}: no figure {name!r}; allowed: a Fitter summary of a Cyclone IV device")
     return int(match[1].replace(",", ""))
+
+
+def _blocks(path: Path) -> int | None:
+    if not path.is_file():
+        return None
+    match = _M9K.search(_read(path))
+    return None if match is None else int(match[1].replace(",", ""))
 
 
 def _period(*folders: Path) -> float | None:

@@ -202,17 +202,39 @@ def test_report_as_json(given: str) -> None:
         "revision": "cornerstream",
         "device": "EP4CGX150CF23C8",
         "version": "Quartus 22.1std.0 Build 915 10/25/2022 SC Lite Edition",
-        "logic_elements": 5123,
+        "le": 5123,
         "lut4": 4100,
         "ff": 3456,
         "memory_bits": 591699,
         "multipliers": 0,
+        "m9k": None,
         # the worst of all operating conditions
         "setup_slack": 1.25,
         "hold_slack": 0.153,
         "period": 8.0,
         "fmax_mhz": pytest.approx(1000 / 6.75),
     }
+
+
+RPT = """\
++-----------------------------------------------------------+
+; Fitter Resource Usage Summary                             ;
++-----------------------------------+-----------------------+
+; Resource                          ; Usage                 ;
++-----------------------------------+-----------------------+
+; Total LABs:  partially or completely used ; 400 / 9,360 ( 4 % ) ;
+; M9Ks                              ; 1,034 / 7,200 ( 14 % ) ;
+; Total block memory bits           ; 591,699 / 6,635,520 ( 9 % ) ;
+"""
+
+
+def test_blocks_of_ram_are_in_the_long_report() -> None:
+    compiled()
+    Path("project/output_files/cornerstream.fit.rpt").write_text(RPT)
+    assert json.loads(run("report", "--quartus", "project", "--json").stdout)["m9k"] == 1034
+    assert "1,034" in run("report", "--quartus", "project").stdout
+    Path("project/output_files/cornerstream.fit.rpt").write_text("something else")
+    assert json.loads(run("report", "--quartus", "project", "--json").stdout)["m9k"] is None
 
 
 def test_report_as_table() -> None:
