@@ -136,10 +136,10 @@ MUTATIONS = {
         "(centre >= gamma)",
         "tests/golden/test_corner_detection.py",
     ),
-    "two boxes of the texture filter are swapped": Mutation(
+    "a box of the texture filter has a wrong row": Mutation(
         "hdl/texture_filter.py",
-        "falling[3] + rising[-2]",
-        "falling[3] + rising[-1]",
+        "falling[8] + rising[1], falling[5]",
+        "falling[8] + rising[2], falling[5]",
         "tests/hdl/test_texture_filter.py",
         "noise and amaranth",
     ),

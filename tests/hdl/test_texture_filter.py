@@ -134,6 +134,15 @@ def test_by_hand(name: EngineName) -> None:
     assert keep.tolist() == [0, 1, 1, 1]
 
 
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+@both
+def test_each_result_has_its_own_frames_threshold(patches: Patches, name: EngineName, stalls: Stalls) -> None:
+    """Frames of one window, back to back, none textured but with T2 of 0: the next T2 must not come too soon."""
+    parameters = Parameters(patches=patches)
+    beyond = 16 * parameters.pixels_per_region * parameters.response_max - 1
+    check(patches, noise([(9, 9)] * 12, FULL, 5), [0, beyond, beyond, 0] * 3, name, stalls)
+
+
 def test_thresholds_are_kept_until_the_last_result_is_taken() -> None:
     frames = noise([(9, 12), (10, 9)], FULL, 4)
     capture = check("regions", frames, [between(frame, "regions") for frame in frames])
@@ -142,4 +151,4 @@ def test_thresholds_are_kept_until_the_last_result_is_taken() -> None:
 
 
 def test_latency() -> None:
-    assert TextureFilter.latency == 8
+    assert TextureFilter.latency == 4
