@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -116,13 +116,10 @@ def _title(heading: str, name: str) -> str:
 
 def _grouped(memories: list[Memory]) -> list[dict[str, Any]]:
     # banks of one buffer differ in name only
-    groups: dict[tuple[str, str, int, int], list[str]] = {}
+    groups: dict[Memory, list[str]] = {}
     for memory in memories:
-        groups.setdefault((memory.module, memory.kind, memory.width, memory.depth), []).append(memory.name)
-    return [
-        {"module": module, "kind": kind, "width": width, "depth": depth, "names": names}
-        for (module, kind, width, depth), names in groups.items()
-    ]
+        groups.setdefault(replace(memory, name=""), []).append(memory.name)
+    return [asdict(one) | {"names": names, "attribute": one.attribute} for one, names in groups.items()]
 
 
 def _render(name: str, facts: dict[str, Any]) -> str:

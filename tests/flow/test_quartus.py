@@ -1,3 +1,4 @@
+# amaranth: UnusedElaboratable=no
 """The Quartus project, as far as it can be checked without Quartus."""
 
 from __future__ import annotations
@@ -86,29 +87,30 @@ class Forgetful(wiring.Component):
 
 
 def noise_on_collision(text: str) -> tuple[str, int]:
-    """Verilog whose memories deliver noise for an address that is being written; how many memories that are."""
+    """Verilog whose memories deliver noise for an address that is being written; how many memories that are.
+
+    Those that are known to need the old data are left as they are.
+    """
     changed = 0
     for memory in find_memories("", text):
-        if memory.kind != "simple dual-port RAM":
+        if memory.kind != "simple dual-port RAM" or memory.same_address:
             continue
-        write = re.search(rf"if \((\S+)\)\s+{memory.name}\[(\w+)\] <= ", text)
+        write = re.search(rf"if \((\S+)\)\s+{memory.name}\[(\S+)\] <= ", text)
         assert write, f"no write of {memory.name}"
         noise = f"({write[1]} && {write[2]} == \\1) ? {{16{{$random}}}} : {memory.name}[\\1];"
-        text, count = re.subn(rf"(?<=<= ){memory.name}\[(\w+)\];", noise, text)
+        text, count = re.subn(rf"(?<=<= ){memory.name}\[(\S+)\];", noise, text)
         assert count == 1
         changed += 1
     return text, changed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "buffering"), VARIANTS)
 def test_no_record_depends_on_reading_during_writing(tmp_path: Path, name: str, buffering: Any) -> None:
     files = exported(name, buffering)
     changed = {path: noise_on_collision(text) for path, text in sources(files).items()}
-    assert sum(count for _, count in changed.values()) == sum(
-        memory.kind == "simple dual-port RAM"
-        for path, text in sources(files).items()
-        for memory in find_memories(path, text)
-    )
+    allowed = "".join(files.values()).count('(* ramstyle = "M9K, no_rw_check" *)')
+    assert sum(count for _, count in changed.values()) == allowed > 2
     path = tmp_path / "noise.v"
     path.write_text("".join(text for text, _ in changed.values()))
     parameters = profile(name, buffering=buffering, **SMALL)
@@ -123,14 +125,18 @@ def test_no_record_depends_on_reading_during_writing(tmp_path: Path, name: str, 
         assert summarize(compare(result, expected)) == ""
 
 
-def test_noise_on_collision_is_noticed(tmp_path: Path) -> None:
+def test_memories_that_need_the_old_data_are_known_and_noise_in_them_is_noticed(tmp_path: Path) -> None:
     beats = [10, 20, 30, 40] * 12
+    text = convert(Forgetful(), "forgetful", [])
+    assert '(* ramstyle = "M9K" *)' in with_attributes(text)
+    assert noise_on_collision(text) == (text, 0)
+    # the same address under another name
+    noisy, count = noise_on_collision(text.replace("<= line[place]", "<= line[place[3:0]]"))
+    assert count == 1
     delivered = []
-    for change in (lambda text: (text, 1), noise_on_collision):
-        text, count = change(convert(Forgetful(), "forgetful", []))
-        assert count == 1
+    for version in (text, noisy):
         path = tmp_path / "design.v"
-        path.write_text(text)
+        path.write_text(version)
         engine = make_engine("verilog", Forgetful(), verilog=path, cache=tmp_path)
         delivered.append(engine.run(Stimulus({"i": beats})).outputs["o"].ravel().tolist())
     assert delivered[0][16:] == beats[:-16]
@@ -141,8 +147,10 @@ def test_noise_on_collision_is_noticed(tmp_path: Path) -> None:
 def test_every_memory_follows_a_template(name: str, buffering: Any) -> None:
     files = exported(name, buffering)
     memories = [memory for text in sources(files).values() for memory in find_memories("", text)]
-    assert all(memory.kind in ("simple dual-port RAM", "ROM") for memory in memories)
-    attributes = re.findall(r"\(\* (ram|rom)style = \"M9K(?:, no_rw_check)?\" \*\)", "".join(files.values()))
+    assert all(memory.kind != "logic" for memory in memories)
+    attributes = re.findall(
+        r"\(\* (?:ram|rom)style = \"M9K(?:, no_rw_check)?\" \*\)", "".join(files.values())
+    )
     assert len(attributes) == len(memories) > 2
     # the line buffers are what most of it is
     detector = Detector(profile(name, buffering=buffering, **SMALL))
@@ -169,6 +177,7 @@ REGISTERED = "  always @(posedge clk) begin\n    if (en) begin\n      q <= bank[
         (buffer(REGISTERED), "simple dual-port RAM"),
         (buffer("  always @(posedge clk)\n    q <= bank[ra];\n"), "simple dual-port RAM"),
         (buffer(REGISTERED, contents="    bank[0] = 8'h01;\n    bank[1] = 8'h02;\n"), "ROM"),
+        (buffer(REGISTERED + REGISTERED, contents="    bank[0] = 8'h01;\n"), "dual-port ROM"),
         # read without a clock
         (buffer("  assign q = bank[ra];\n"), "logic"),
         # on another clock
