@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Mux, Shape, ShapeLike, Signal, Value
+from amaranth.hdl import Cat, Module, Mux, Shape, ShapeLike, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 REGISTERS = 2
 """Clocks of a delay that the memory's own read register and the one behind it make."""
+PART = 18
+"""Widest memory: as wide as a block RAM whose one port reads the old value while it writes."""
 
 
 class DelayLine(wiring.Component):
@@ -61,19 +63,25 @@ class DelayLine(wiring.Component):
 
     def _read(self, m: Module, value: Value) -> Value:
         """The value that the ring took in ``depth`` clocks ago, out of the memory's read register."""
-        m.submodules.ring = ring = Memory(shape=self._width, depth=self._depth, init=[])
-        read, write = ring.read_port(), ring.write_port()
         place = Signal(range(self._depth))
         with m.If(self.enable):
             m.d.sync += place.eq(Mux(place == self._depth - 1, 0, place + 1))
-        m.d.comb += [
-            read.addr.eq(place),
-            read.en.eq(self.enable),
-            write.addr.eq(place),
-            write.en.eq(self.enable),
-            write.data.eq(value),
-        ]
-        return read.data
+        read_out = []
+        for k, low in enumerate(range(0, self._width, PART)):
+            part = value[low : low + PART]
+            m.submodules[f"ring_{k}"] = ring = Memory(
+                shape=len(part), depth=self._depth, init=[], attrs={"ram_style": "block"}
+            )
+            read, write = ring.read_port(), ring.write_port()
+            m.d.comb += [
+                read.addr.eq(place),
+                read.en.eq(self.enable),
+                write.addr.eq(place),
+                write.en.eq(self.enable),
+                write.data.eq(part),
+            ]
+            read_out.append(read.data)
+        return Cat(read_out)
 
     def _register(self, m: Module, value: Value, name: str) -> Signal:
         register = Signal(self._width, name=name, reset_less=True)

@@ -6,86 +6,31 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Mux, Shape, unsigned
-from amaranth.lib import data, stream, wiring
+from amaranth.hdl import Cat, Module, Mux, Shape, Value, unsigned
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import Parameters
-from hdl.arithmetic import square, tree_latency
+from hdl.delay_line import DelayLine
 from hdl.preprocessing import products_layout
 from hdl.square_root import SquareRoot
+from hdl.square_table import SquareTable
 from hdl.stream import Beat, Pipeline
 
-
-class _Radicand(wiring.Component):
-    """A + B, and (A - B)² + (2C)². A tensor smoothed from real pixels keeps the latter within 2·response_bits."""
-
-    def __init__(self, parameters: Parameters, out: data.StructLayout) -> None:
-        self._bits = parameters.product_bits
-        super().__init__(
-            {
-                "i": In(stream.Signature(Beat(products_layout(parameters)))),
-                "o": Out(stream.Signature(out)),
-            }
-        )
-
-    @property
-    def latency(self) -> int:
-        return 3 + tree_latency(self._bits)
-
-    def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        pipe = Pipeline(m, self.i, self.o)
-        a, b, c = self.i.payload.data.a, self.i.payload.data.b, self.i.payload.data.c
-        total = pipe.register(a + b, "total")
-        difference = pipe.register(a - b, "difference")
-        cross = pipe.register(c, "cross")
-        distance = pipe.register(abs(difference)[: self._bits], "distance")
-        cross_size = pipe.register(
-            (abs(cross) if Shape.cast(c.shape()).signed else cross)[: self._bits], "cross_size"
-        )
-        squares = square(pipe, distance, "distance_square"), square(pipe, cross_size, "cross_square")
-        tags = Cat(self.i.payload.eol, self.i.payload.eof)
-        m.d.comb += [
-            self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
-            self.o.payload.radicand.eq(pipe.register(squares[0] + (squares[1] << 2), "radicand")),
-            self.o.payload.aside.eq(
-                Cat(pipe.delay(total, self.latency - 1, "total"), pipe.delay(tags, self.latency, "tags"))
-            ),
-        ]
-        return m
-
-
-class _Difference(wiring.Component):
-    """D = (A + B) - root, clamped at 0."""
-
-    latency = 2
-
-    def __init__(self, parameters: Parameters, into: data.StructLayout) -> None:
-        super().__init__(
-            {
-                "i": In(stream.Signature(into)),
-                "o": Out(stream.Signature(Beat(unsigned(parameters.response_bits)))),
-            }
-        )
-
-    def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        pipe = Pipeline(m, self.i, self.o)
-        aside = self.i.payload.aside
-        difference = pipe.register(aside.total - self.i.payload.root, "difference")
-        clamped = pipe.register(Mux(difference[-1], 0, difference[:-1]), "clamped")
-        m.d.comb += [
-            self.o.valid.eq(pipe.delay(pipe.valid, 2, "valid", reset=True)),
-            self.o.payload.data.eq(clamped),
-            self.o.payload.eol.eq(pipe.delay(aside.eol, 2, "eol")),
-            self.o.payload.eof.eq(pipe.delay(aside.eof, 2, "eof")),
-        ]
-        return m
+RADICAND_LATENCY = 6
+"""Sizes, two clocks of look-up, one of the difference of halves, sum of halves, radicand."""
 
 
 class Response(wiring.Component):
     """Corner response of every smoothed tensor.
+
+    Both squares are looked up by halves: with x = {h, l}, each of n = pixel_bits,
+
+        x² = h²·4ⁿ + l² + 2hl·2ⁿ,   2hl = h² + l² - (h - l)²
+
+    so that with Q, the sum over both numbers of h²·2ⁿ + l², and E, that of (h - l)², the radicand is
+    Q + (Q - E)·2ⁿ. A tensor smoothed from real pixels keeps it within 2·response_bits. A + B and the tags
+    wait in a delay line beside all this.
 
     Members
     -------
@@ -96,29 +41,82 @@ class Response(wiring.Component):
     """
 
     def __init__(self, parameters: Parameters) -> None:
-        bits = parameters.response_bits
-        aside = data.StructLayout({"total": bits, "eol": 1, "eof": 1})
-        self._root = SquareRoot(bits, parameters.sqrt_bits_per_stage, aside)
-        self._radicand = _Radicand(parameters, self._root.i.payload.shape())
-        self._difference = _Difference(parameters, self._root.o.payload.shape())
+        self._half = parameters.pixel_bits
+        self._bits = parameters.response_bits
+        self._root = SquareRoot(self._bits, parameters.sqrt_bits_per_stage)
+        # all but the last clock, which takes the difference
+        self._line = DelayLine(self._bits + 2, RADICAND_LATENCY + self._root.latency)
+        self._halves = [SquareTable(self._half) for _ in range(2)]
+        self._differences = SquareTable(self._half + 1, signed_numbers=True)
         super().__init__(
             {
                 "i": In(stream.Signature(Beat(products_layout(parameters)))),
-                "o": Out(stream.Signature(Beat(unsigned(bits)))),
+                "o": Out(stream.Signature(Beat(unsigned(self._bits)))),
             }
         )
 
     @property
     def latency(self) -> int:
-        return self._radicand.latency + self._root.latency + self._difference.latency
+        return self._line.latency + 1
+
+    @property
+    def memory_bits(self) -> int:
+        tables = sum(table.memory_bits for table in (*self._halves, self._differences))
+        return tables + self._line.memory_bits + self._root.memory_bits
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        m.submodules.radicand = radicand = self._radicand
+        pipe = Pipeline(m, self.i, self.o)
         m.submodules.square_root = root = self._root
-        m.submodules.difference = difference = self._difference
-        wiring.connect(m, wiring.flipped(self.i), radicand.i)
-        wiring.connect(m, radicand.o, root.i)
-        wiring.connect(m, root.o, difference.i)
-        wiring.connect(m, difference.o, wiring.flipped(self.o))
+        m.submodules.line = line = self._line
+        a, b = self.i.payload.data.a, self.i.payload.data.b
+        m.d.comb += [
+            root.enable.eq(pipe.advance),
+            root.radicand.eq(self._radicand(m, pipe)),
+            line.enable.eq(pipe.advance),
+            line.i.eq(Cat((a + b)[: self._bits], self.i.payload.eol, self.i.payload.eof)),
+        ]
+        total, tags = line.o[: self._bits], line.o[self._bits :]
+        difference = total - root.root
+        # one clear of the whole register where D would be negative
+        m.d.comb += [
+            self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
+            self.o.payload.data.eq(pipe.register(Mux(difference[-1], 0, difference[:-1]), "clamped")),
+            Cat(self.o.payload.eol, self.o.payload.eof).eq(pipe.register(tags, "tags")),
+        ]
         return m
+
+    def _radicand(self, m: Module, pipe: Pipeline) -> Value:
+        """(A - B)² + (2C)², RADICAND_LATENCY clocks later."""
+        n = self._half
+        data = self.i.payload.data
+        numbers = [
+            pipe.register(_size(data.a - data.b, 2 * n), "distance"),
+            pipe.register(_size(data.c, 2 * n), "cross"),
+        ]
+        # high halves, low halves, and a clock later their differences
+        m.submodules.high, m.submodules.low = self._halves
+        m.submodules.differences = self._differences
+        highs, lows = [x[n:] for x in numbers], [x[:n] for x in numbers]
+        steps = [
+            pipe.register(high - low, f"step_{k}")
+            for k, (high, low) in enumerate(zip(highs, lows, strict=True))
+        ]
+        high = self._sum(m, pipe, self._halves[0], highs, "high")
+        low = self._sum(m, pipe, self._halves[1], lows, "low")
+        cross = self._sum(m, pipe, self._differences, steps, "cross")
+        squares = pipe.register((high << n) + low, "squares")
+        return pipe.register((squares + ((squares - cross) << n))[: 2 * self._bits], "radicand")
+
+    def _sum(self, m: Module, pipe: Pipeline, table: SquareTable, x: list[Value], name: str) -> Value:
+        """Of the squares of a part of A - B and a part of 2C."""
+        m.d.comb += [table.enable.eq(pipe.advance), Cat(table.x).eq(Cat(*x))]
+        return pipe.register(table.square[0] + (table.square[1] << 2), f"{name}_squares")
+
+
+def _size(value: Value, bits: int) -> Value:
+    """Absolute value; an inversion and a carry are one adder, where a choice of two numbers would be more."""
+    if not Shape.cast(value.shape()).signed:
+        return value[:bits]
+    sign = value[-1]
+    return ((value[:bits] ^ sign.replicate(bits)) + sign)[:bits]

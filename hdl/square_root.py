@@ -1,25 +1,32 @@
-"""Square root: Li and Chu's non-restoring algorithm as a pipeline, one addition or subtraction per result bit."""
+# amaranth: UnusedElaboratable=no
+# the delay lines are made at once, because their memory is counted, and elaborated perhaps never
+"""Square root: Li and Chu's non-restoring algorithm as a pipeline, one addition per result bit."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Mux, ShapeLike, Signal, Value
-from amaranth.lib import data, stream, wiring
+from amaranth.hdl import C, Cat, Module, Signal, Value
+from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from hdl.stream import Pipeline
+from hdl.delay_line import DelayLine
+
+RINGS = (4, 5)
+"""Clocks of the two delay lines in which the radicand waits: the shortest that are memory."""
 
 
 class SquareRoot(wiring.Component):
-    """Floor square root of an unsigned number of ``2·root_bits`` bits.
+    """Floor square root of an unsigned number of ``2·root_bits`` bits, one per enabled clock.
 
     Each step takes the radicand's next two bits d and forms, with the remainder r and the root q so far,
 
-        r >= 0:  r' = (4r + d) - (4q + 1)        q' = 2q + (r' >= 0)
+        r >= 0:  r' = (4r + d) - (4q + 1) = 4r + d + 4·~q + 3       q' = 2q + (r' >= 0)
         r <  0:  r' = (4r + d) + (4q + 3)
 
-    so a step is one adder-subtractor and no multiplexer, and the remainder of n result bits needs n+2 bits.
+    so a step is one adder and no multiplexer, and the remainder of n result bits needs n+2 bits. What it adds is
+    q with each bit inverted where r >= 0: the root is kept in that form, so that the adder's operand comes
+    straight out of a register, and its inversion takes place behind the adder before.
 
     Parameters
     ----------
@@ -27,61 +34,92 @@ class SquareRoot(wiring.Component):
         Width of the result.
     bits_per_stage
         Result bits between two registers: more saves registers and latency, and lengthens the path.
-    aside
-        Shape of a value that travels along unchanged.
 
     Members
     -------
-    i
-        Stream of ``{"radicand", "aside"}``.
-    o
-        Stream of ``{"root", "aside"}``.
+    enable
+        The registers move: ``advance`` of the pipeline around.
+    radicand
+        A number.
+    root
+        Its root, ``latency`` enabled clocks later.
     """
 
-    def __init__(self, root_bits: int, bits_per_stage: int = 1, aside: ShapeLike = 1) -> None:
+    def __init__(self, root_bits: int, bits_per_stage: int = 1) -> None:
         self._root_bits = root_bits
         self._bits_per_stage = bits_per_stage
-        super().__init__(
-            {
-                "i": In(stream.Signature(data.StructLayout({"radicand": 2 * root_bits, "aside": aside}))),
-                "o": Out(stream.Signature(data.StructLayout({"root": root_bits, "aside": aside}))),
-            }
-        )
+        self._waits = [_wait(k // bits_per_stage) for k in range(root_bits)]
+        _, *rounds = (sum(kind) for kind in zip(*self._waits, strict=True))
+        self._lines = [DelayLine(2 * n, clocks) for n, clocks in zip(rounds, RINGS, strict=True)]
+        super().__init__({"enable": In(1), "radicand": In(2 * root_bits), "root": Out(root_bits)})
 
     @property
     def latency(self) -> int:
         return -(-self._root_bits // self._bits_per_stage)
 
+    @property
+    def memory_bits(self) -> int:
+        return sum(line.memory_bits for line in self._lines)
+
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        pipe = Pipeline(m, self.i, self.o)
-        radicand: Value = Value.cast(self.i.payload.radicand)
-        root: Value = C(0, 0)
+        digits = self._digits(m)
+        operand: Value = C(0, 0)
         remainder: Value = C(0, 1)
-        for stage in range(self.latency):
-            for _ in range(min(self._bits_per_stage, self._root_bits - len(root))):
-                difference = _step(root, remainder, radicand[-2:])
-                # a signal of its own, or each of the next step's uses would repeat this step's logic
-                remainder = Signal(len(difference), name=f"step_{len(root)}")
-                m.d.comb += remainder.eq(difference)
-                root, radicand = Cat(~remainder[-1], root), radicand[:-2]
-            root = pipe.register(root, f"root_{stage}")
-            remainder = pipe.register(remainder, f"remainder_{stage}")
-            radicand = pipe.register(radicand, f"radicand_{stage}")
-        m.d.comb += [
-            self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
-            self.o.payload.root.eq(root),
-            self.o.payload.aside.eq(pipe.delay(self.i.payload.aside, self.latency, "aside")),
-        ]
+        for k, digit in enumerate(digits[:-1]):
+            before, remainder = remainder, _step(m, operand, remainder, digit)
+            # a signal of its own, or each of the next step's uses would repeat this step's logic
+            kept = Signal(k, name=f"operand_{k}")
+            m.d.comb += kept.eq(operand ^ (before[-1] ^ remainder[-1]).replicate(k))
+            if (k + 1) % self._bits_per_stage == 0:
+                kept = self._register(m, kept, f"root_{k}")
+                remainder = self._register(m, remainder, f"remainder_{k}")
+            # the newest bit is inverted where it is 1, which makes it 0
+            operand = Cat(C(0, 1), kept)
+        last = _step(m, operand, remainder, digits[-1])
+        root = Cat(~last[-1], operand ^ (~remainder[-1]).replicate(len(operand)))
+        m.d.comb += self.root.eq(self._register(m, root, "root"))
         return m
 
+    def _digits(self, m: Module) -> list[Value]:
+        """The radicand's pairs of bits, first the highest, each as late as the stage that takes it."""
+        inputs: list[list[Value]] = [[] for _ in RINGS]
+        outputs: list[list[Value]] = [[] for _ in RINGS]
+        digits = []
+        for k, (singles, *rounds) in enumerate(self._waits):
+            low = 2 * (self._root_bits - 1 - k)
+            digit: Value = self.radicand[low : low + 2]
+            for n in range(singles):
+                digit = self._register(m, digit, f"digit_{k}_{n}")
+            for ring, count in enumerate(rounds):
+                for n in range(count):
+                    inputs[ring].append(digit)
+                    digit = Signal(2, name=f"digit_{k}_{ring}_{n}")
+                    outputs[ring].append(digit)
+            digits.append(digit)
+        for line, given, taken in zip(self._lines, inputs, outputs, strict=True):
+            m.submodules[f"wait_{line.latency}"] = line
+            m.d.comb += [line.enable.eq(self.enable), line.i.eq(Cat(given)), Cat(taken).eq(line.o)]
+        return digits
 
-def _step(root: Value, remainder: Value, digit: Value) -> Value:
+    def _register(self, m: Module, value: Value, name: str) -> Signal:
+        register = Signal(len(value), name=name, reset_less=True)
+        with m.If(self.enable):
+            m.d.sync += register.eq(value)
+        return register
+
+
+def _wait(clocks: int) -> tuple[int, int, int]:
+    """So many clocks as single ones and rounds of the two delay lines, with as few single ones as can be."""
+    fives = min(clocks % 4, clocks // 5)
+    fours = (clocks - 5 * fives) // 4
+    return clocks - 4 * fours - 5 * fives, fours, fives
+
+
+def _step(m: Module, operand: Value, remainder: Value, digit: Value) -> Value:
     """The next remainder, in two's complement like the one before; the next result bit is its sign, inverted."""
-    negative = remainder[-1]
-    shifted = Cat(digit, remainder)
-    # 4q + 1 or 4q + 3, told apart by bit 1; subtracting is adding the complement and one
-    operand = Cat(C(1, 1), negative, root)
-    bits = len(root) + 3
-    padded = Cat(shifted, *[shifted[-1]] * 2)[:bits]
-    return (padded + (Cat(operand, C(0, 1)) ^ Mux(negative, 0, (1 << bits) - 1)) + ~negative)[:bits]
+    bits = len(operand) + 3
+    # again used several times
+    result = Signal(bits, name=f"step_{len(operand)}")
+    m.d.comb += result.eq(Cat(digit, remainder)[:bits] + Cat(C(3, 2), operand, ~remainder[-1]))
+    return result

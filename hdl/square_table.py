@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Mux, Signal, Value
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value, signed, unsigned
 from amaranth.lib import data, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
@@ -22,7 +22,9 @@ class SquareTable(wiring.Component):
     Parameters
     ----------
     bits
-        Width of the numbers, from 3.
+        Width of the numbers, from 3 (signed: 4).
+    signed_numbers
+        They are in two's complement; the most negative one must not occur.
 
     Members
     -------
@@ -31,37 +33,45 @@ class SquareTable(wiring.Component):
     x
         The two numbers.
     square
-        Their squares, two enabled clocks later.
+        Their squares, ``2·bits`` wide (signed: two less), two enabled clocks later.
     """
 
     latency = 2
 
-    def __init__(self, bits: int) -> None:
-        if bits < 3:
+    def __init__(self, bits: int, *, signed_numbers: bool = False) -> None:
+        fewest = 4 if signed_numbers else 3
+        if bits < fewest:
             # their squares have nothing above what logic makes
-            raise ValueError(f"bits is {bits}; allowed: whole numbers from 3")
+            raise ValueError(f"bits is {bits}; allowed: whole numbers from {fewest}")
         self._bits = bits
+        self._signed = signed_numbers
+        self._square_bits = 2 * bits - 2 if signed_numbers else 2 * bits
+        number = signed(bits) if signed_numbers else unsigned(bits)
         super().__init__(
             {
                 "enable": In(1),
-                "x": In(data.ArrayLayout(bits, 2)),
-                "square": Out(data.ArrayLayout(2 * bits, 2)),
+                "x": In(data.ArrayLayout(number, 2)),
+                "square": Out(data.ArrayLayout(self._square_bits, 2)),
             }
         )
 
     @property
     def memory_bits(self) -> int:
-        return (2 * self._bits - LOGIC_BITS) << self._bits
+        return (self._square_bits - LOGIC_BITS) << self._bits
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
+        size = 1 << self._bits
+        # the place of the most negative number stays empty
+        numbers = [*range(size // 2), 0, *range(1 - size // 2, 0)] if self._signed else range(size)
         m.submodules.table = table = Memory(
-            shape=2 * self._bits - LOGIC_BITS,
-            depth=1 << self._bits,
-            init=[x * x >> LOGIC_BITS for x in range(1 << self._bits)],
+            shape=self._square_bits - LOGIC_BITS,
+            depth=size,
+            init=[x * x >> LOGIC_BITS for x in numbers],
+            attrs={"ram_style": "block"},
         )
         for k in range(2):
-            x, port = Value.cast(self.x[k]), table.read_port()
+            x, port = Value.cast(self.x[k]).as_unsigned(), table.read_port()
             m.d.comb += [port.addr.eq(x), port.en.eq(self.enable)]
             high = Signal(len(port.data), name=f"high_{k}", reset_less=True)
             low = Signal(LOGIC_BITS - 1, name=f"low_{k}", reset_less=True)

@@ -91,8 +91,8 @@ MUTATIONS = {
     ),
     "the square root adds where it should subtract": Mutation(
         "hdl/square_root.py",
-        "Mux(negative, 0, (1 << bits) - 1)",
-        "Mux(negative, (1 << bits) - 1, 0)",
+        "Cat(C(3, 2), operand, ~remainder[-1])",
+        "Cat(C(3, 2), operand, remainder[-1])",
         "tests/hdl/test_square_root.py",
         "latency",
     ),
@@ -102,6 +102,20 @@ MUTATIONS = {
         "difference[:-1]",
         "tests/hdl/test_response.py",
         "by_hand and amaranth",
+    ),
+    "a delay line forgets a place": Mutation(
+        "hdl/delay_line.py",
+        "place == self._depth - 1",
+        "place == self._depth - 2",
+        "tests/hdl/test_delay_line.py",
+        "lengths",
+    ),
+    "one square is looked up wrong": Mutation(
+        "hdl/square_table.py",
+        "x * x >> LOGIC_BITS for x in numbers",
+        "(x * x >> LOGIC_BITS) + (x == 100) for x in numbers",
+        "tests/hdl/test_square_table.py",
+        "every_number",
     ),
     "T1 is shifted by one bit": Mutation(
         "hdl/thresholds.py",

@@ -17,7 +17,8 @@ from sim.engine import EngineName
 from sim.stimulus import Stalls
 from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, run
 
-BITS = 16
+BITS = 21
+"""More than one memory is wide."""
 
 
 class Delayed(wiring.Component):

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.convolution import smooth
-from golden.parameters import Gradient, Parameters
+from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Gradient, Parameters
 from golden.preprocessing import gradients, products
 from golden.response import response
 from hdl.response import Response
@@ -103,7 +103,24 @@ def test_by_hand(name: EngineName) -> None:
     check(ABSOLUTE, [frame[..., :3]], name)
 
 
+@pytest.mark.parametrize("bits", range(MIN_PIXEL_BITS, MAX_PIXEL_BITS + 1))
+@pytest.mark.parametrize("gradient", ["absolute", "signed"])
+def test_every_pixel_width(gradient: Gradient, bits: int) -> None:
+    """Noise, and black and white, whose tensors reach the ends of the format."""
+    parameters = Parameters(gradient=gradient, pixel_bits=bits)
+    images = noise([(12, 14)], parameters.pixel_max, bits, dtype=np.uint16)
+    images += [parameters.pixel_max * image for image in noise([(12, 14)], 1, bits, dtype=np.uint16)]
+    check(parameters, smoothed(images, gradient), "amaranth")
+
+
 def test_latency() -> None:
-    """Operands 2, 16-bit square 4, sum 1; root 17, or in steps of three bits 6; difference 2."""
-    assert Response(ABSOLUTE).latency == 2 + 4 + 1 + 17 + 2
-    assert Response(SIGNED).latency == 2 + 4 + 1 + 6 + 2
+    """Sizes 1, look-up 3, sum of halves 1, radicand 1; root 17, or in steps of three bits 6; difference 1."""
+    assert Response(ABSOLUTE).latency == 6 + 17 + 1
+    assert Response(SIGNED).latency == 6 + 6 + 1
+
+
+def test_memory_bits() -> None:
+    """Tables of 256 and of 512 squares without their five low bits, and what waits beside and in the root."""
+    tables = 11 * (2 * 256 + 512)
+    wait, radicand = 19 * (23 - 2), 2 * (14 * 2 + 14 * 3)
+    assert Response(ABSOLUTE).memory_bits == tables + wait + radicand

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from amaranth.hdl import Module
-from amaranth.lib import data, stream, wiring
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 from numpy.typing import NDArray
 
@@ -18,18 +18,16 @@ from sim.engine import EngineName
 from sim.stimulus import Stalls
 from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run
 
-WIDTHS = range(3, 12)
-
 
 class Squares(wiring.Component):
     """The table inside a pipeline."""
 
-    def __init__(self, bits: int) -> None:
-        self.table = SquareTable(bits)
+    def __init__(self, bits: int, signed_numbers: bool) -> None:
+        self.table = SquareTable(bits, signed_numbers=signed_numbers)
         super().__init__(
             {
-                "i": In(stream.Signature(data.ArrayLayout(bits, 2))),
-                "o": Out(stream.Signature(data.ArrayLayout(2 * bits, 2))),
+                "i": In(stream.Signature(self.table.x.shape())),
+                "o": Out(stream.Signature(self.table.square.shape())),
             }
         )
 
@@ -46,33 +44,49 @@ class Squares(wiring.Component):
         return m
 
 
-def check(bits: int, pairs: NDArray[np.int64], name: EngineName, stalls: Stalls = NO_STALLS) -> None:
-    block = Squares(bits)
-    inputs = {"i": pack(block.i.payload.shape(), pairs)}
-    capture = run(engine(name, Squares, bits), inputs, {"o": pack(block.o.payload.shape(), pairs**2)}, stalls)
+def check(
+    bits: int,
+    signed_numbers: bool,
+    pairs: NDArray[np.int64],
+    name: EngineName,
+    stalls: Stalls = NO_STALLS,
+) -> None:
+    block = Squares(bits, signed_numbers)
+    capture = run(
+        engine(name, Squares, bits, signed_numbers),
+        {"i": pack(block.i.payload.shape(), pairs)},
+        {"o": pack(block.o.payload.shape(), pairs**2)},
+        stalls,
+    )
     if stalls == NO_STALLS:
         assert_timing(capture, SquareTable.latency)
 
 
-@pytest.mark.parametrize("bits", WIDTHS)
-def test_every_number(bits: int) -> None:
+@pytest.mark.parametrize(
+    ("bits", "signed_numbers"), [*((n, False) for n in range(3, 12)), *((n, True) for n in range(4, 12))]
+)
+def test_every_number(bits: int, signed_numbers: bool) -> None:
     """At one port counting up, at the other in no order."""
-    numbers = np.arange(1 << bits)
-    check(bits, np.stack([numbers, np.random.default_rng(bits).permutation(numbers)], axis=1), "amaranth")
+    low = 1 - (1 << (bits - 1)) if signed_numbers else 0
+    numbers = np.arange(low, (1 << (bits - signed_numbers)))
+    pairs = np.stack([numbers, np.random.default_rng(bits).permutation(numbers)], axis=1)
+    check(bits, signed_numbers, pairs, "amaranth")
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 def test_stalls(name: EngineName, stalls: Stalls) -> None:
     count = 3000 if name == "compiled" else 200
-    check(8, np.random.default_rng(1).integers(0, 256, (count, 2)), name, stalls)
+    check(8, False, np.random.default_rng(1).integers(0, 256, (count, 2)), name, stalls)
 
 
 def test_memory_bits() -> None:
-    """11 of 16 bits of 256 squares; 3 of 8 bits of 16."""
+    """11 of 16 bits of 256 squares; 3 of 8 bits of 16; signed, 11 of 16 bits of 512."""
     assert SquareTable(8).memory_bits == 11 * 256
     assert SquareTable(4).memory_bits == 3 * 16
+    assert SquareTable(9, signed_numbers=True).memory_bits == 11 * 512
 
 
-def test_too_narrow() -> None:
-    with pytest.raises(ValueError, match="bits is 2; allowed: whole numbers from 3"):
-        SquareTable(2)
+@pytest.mark.parametrize(("signed_numbers", "fewest"), [(False, 3), (True, 4)])
+def test_too_narrow(signed_numbers: bool, fewest: int) -> None:
+    with pytest.raises(ValueError, match=f"allowed: whole numbers from {fewest}"):
+        SquareTable(fewest - 1, signed_numbers=signed_numbers)
