@@ -1,79 +1,133 @@
-"""Convolution unit (Eq. 1): the separable 5x5 smoothing kernel out of adders, one unit for each of A, B and C."""
+"""Convolution (Eq. 1): the separable 5x5 smoothing kernel out of adders, used alike for three channels."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Shape, ShapeLike
+from amaranth.hdl import C, Cat, Module, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.convolution import SHIFT
-from golden.parameters import SMOOTHING_SIZE
+from golden.parameters import SMOOTHING_SIZE, Parameters
+from hdl.preprocessing import products_layout, squares_layout
 from hdl.stream import Beat, Columns, Pipeline, WindowCounter
 
 
-class ConvolutionUnit(wiring.Component):
-    """Smooths one channel: kernel [1 2 2 2 1]ᵀ[1 2 2 2 1] / 64, rounded once, half away from zero.
+class ConvolutionUnit:
+    """Sum of one channel under the kernel [1 2 2 2 1]ᵀ[1 2 2 2 1], not yet divided by 64. Latency 2.
 
-    Takes columns of five rows, delivers rows four positions shorter.
+    First down the column; its sum then meets four columns before it in a chain of adders, in which each register
+    holds the part of one window that has been seen. Those move from beat to beat, not from clock to clock.
 
     Parameters
     ----------
-    shape
-        One value, signed or not; the result has the same shape, because the kernel sums to 1.
+    pipe
+        Where it is a part of.
+    rows
+        Five unsigned values of one width, that of the ``pipe``'s input beat.
+    beat
+        ``pipe.valid`` one clock later.
+    name
+        Of the channel.
+    half
+        Add 32, half a unit of the result. ``rows`` must be squares: these are 0 or 1 modulo 4.
+
+    Members
+    -------
+    total
+        The sum, six bits wider than a row, with the window's last column.
+    """
+
+    latency = 2
+
+    def __init__(
+        self, pipe: Pipeline, rows: list[Value], beat: Value, name: str, *, half: bool = False
+    ) -> None:
+        def chained(value: Value, stage: str) -> Value:
+            return pipe.register(value, f"{name}_{stage}", when=beat)
+
+        second = rows[1]
+        if half:
+            # bit 1 of a square is always 0: a 2 there, in a row of weight 2, in columns of weight 8, is 32
+            second = Cat(second[0], C(1, 1), second[2:])
+        # r0 + r4 + 2·r1, and r2 + r3; what is doubled leaves bit 0 alone
+        outer = rows[0] + rows[4]
+        upper = pipe.register(Cat(outer[0], outer[1:] + second), f"{name}_upper")
+        inner = pipe.register(rows[2] + rows[3], f"{name}_inner")
+        column = Cat(upper[0], upper[1:] + inner)[: len(rows[0]) + 3]
+
+        taps = chained(column, "taps_1")
+        for k in range(2, SMOOTHING_SIZE):
+            # 1 + 2 + 2 + 2: never more than three bits above the column's sum
+            sum_above = (taps[1:] + column)[: len(column) + 2]
+            taps = chained(Cat(taps[0], sum_above), f"taps_{k}")
+        self.total = pipe.register((taps + column)[: len(rows[0]) + SHIFT], f"{name}_total")
+
+
+class Convolution(wiring.Component):
+    """Smooths A, B and C: kernel [1 2 2 2 1]ᵀ[1 2 2 2 1] / 64, rounded once, half away from zero.
+
+    Takes columns of five rows of squares, delivers rows four positions shorter. A and B are sums of a and b; with
+    d, the square of the difference, C = (A + B - d) / 2, made of the full sums before any of them is rounded.
+    The half of rounding is already in the sums of a and b, so in C too.
+
+    c comes from an adder, not from a register: the next block should register it before it computes.
 
     Members
     -------
     i
-        Stream of ``Columns(shape, 5)``.
+        Stream of ``Columns(squares_layout(parameters), 5)``: squares of any gradients of pixels.
     o
-        Stream of ``Beat(shape)``.
+        Stream of ``Beat(products_layout(parameters))``.
     """
 
-    latency = 7
-
-    def __init__(self, shape: ShapeLike) -> None:
-        self._shape = Shape.cast(shape)
+    def __init__(self, parameters: Parameters) -> None:
+        self._signed = parameters.gradient == "signed"
+        self._bits = parameters.product_bits
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(shape, SMOOTHING_SIZE))),
-                "o": Out(stream.Signature(Beat(shape))),
+                "i": In(stream.Signature(Columns(squares_layout(parameters), SMOOTHING_SIZE))),
+                "o": Out(stream.Signature(Beat(products_layout(parameters)))),
             }
         )
+
+    @property
+    def latency(self) -> int:
+        """Signed products round on either side of zero, which takes a clock of its own."""
+        return ConvolutionUnit.latency + self._signed
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
-        row = self.i.payload.data
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, SMOOTHING_SIZE, step=step, eol=self.i.payload.eol)
+        beat = pipe.register(pipe.valid, "beat", reset=True)
 
-        # down the column: r0 + 2(r1 + r2 + r3) + r4
-        outer = pipe.register(row[0] + row[4], "outer")
-        inner = pipe.register(row[1] + row[2], "inner")
-        third = pipe.register(row[3], "third")
-        outer = pipe.register(outer, "outer_2")
-        inner = pipe.register(inner + third, "inner_2")
-        column = pipe.register(outer + (inner << 1), "column")
+        def total(name: str, half: bool) -> Value:
+            rows = [Value.cast(self.i.payload.data[row][name]) for row in range(SMOOTHING_SIZE)]
+            return ConvolutionUnit(pipe, rows, beat, name, half=half).total
 
-        # along the row: [1 1] * [1 1] * [1 0 1]; these registers move from beat to beat, not from clock to clock
-        taps, beat = column, pipe.delay(pipe.valid, 3, "beat", reset=True)
-        for k, distance in enumerate((1, 1, 2)):
-            earlier = pipe.delay_beats(taps, distance, f"earlier_{k}", beat)
-            taps = pipe.register(taps + earlier, f"taps_{k}")
-            beat = pipe.register(beat, f"beat_{k}_done", reset=True)
-
-        half = (1 << (SHIFT - 1)) - 1
-        if self._shape.signed:
-            rounded = pipe.register((taps + half + ~taps[-1]) >> SHIFT, "rounded")
-        else:
-            rounded = pipe.register((taps + half + 1) >> SHIFT, "rounded")
-
+        a, b, d = total("a", True), total("b", True), total("d", False)
+        c = self._signed_cross(pipe, a, b, d) if self._signed else self._cross(a, b, d)
+        waits = self.latency - ConvolutionUnit.latency
         m.d.comb += [
             self.o.valid.eq(pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)),
-            self.o.payload.data.eq(rounded),
+            self.o.payload.data.a.eq(pipe.delay(a[SHIFT:], waits, "a_rounded")),
+            self.o.payload.data.b.eq(pipe.delay(b[SHIFT:], waits, "b_rounded")),
+            self.o.payload.data.c.eq(c),
             self.o.payload.eol.eq(pipe.delay(self.i.payload.eol, self.latency, "eol")),
             self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
         ]
         return m
+
+    @staticmethod
+    def _cross(a: Value, b: Value, d: Value) -> Value:
+        """C rounded: a + b - d is even, so bit 0 of a + b is that of d, and neither is needed."""
+        return ((a + b)[1:] - d[1:])[SHIFT:]
+
+    def _signed_cross(self, pipe: Pipeline, a: Value, b: Value, d: Value) -> Value:
+        """C rounded, one clock later: halves away from zero."""
+        # subtracted without its carry: C + 31, to which only those from 0 up still add 1
+        lower = pipe.register(((a + b)[1:] + ~d[1:])[: self._bits + SHIFT + 1].as_signed(), "lower")
+        return (lower + ~lower[-1]) >> SHIFT

@@ -1,14 +1,19 @@
 # amaranth: UnusedElaboratable=no
-"""Convolution unit: the kernel, its one rounding, and its extremes, with and without sign."""
+"""Convolution: smoothed products of squares against the golden model, every tap, exact rounding of both signs."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
-from amaranth.hdl import Shape, signed, unsigned
 
 from golden.convolution import KERNEL, smooth
-from hdl.convolution import ConvolutionUnit
+from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Gradient, Parameters
+from golden.preprocessing import products
+from hdl.convolution import Convolution
+from hdl.preprocessing import products_layout
+from hdl.stream import Beat
 from sim.engine import EngineName
 from sim.stimulus import Stalls
 from tests.hdl.blocks import (
@@ -27,56 +32,82 @@ from tests.hdl.blocks import (
     pack,
     raster,
     run,
+    unpack,
 )
 
-SHAPES = [unsigned(16), signed(17)]
-IDS = ["unsigned", "signed"]
+GRADIENTS: list[Gradient] = ["absolute", "signed"]
 SIZES = [(5, 5), (11, 19), (5, 40), (20, 6), (6, 5)]
+Pair = tuple[Array, Array]
 
 
-def bounds(shape: Shape) -> tuple[int, int]:
-    """Largest and smallest product of real pixels."""
-    return 255 * 255, -255 * 255 if shape.signed else 0
+def streams(frames: list[Pair], parameters: Parameters) -> tuple[dict[str, Words], dict[str, Words]]:
+    """Of frames of gradients, (gx, gy): the squares, and the smoothed golden products."""
+    block = Convolution(parameters)
+    tensors = [products(gx, gy, parameters.gradient) for gx, gy in frames]
+    squares = columns([np.stack([a, b, a + b - 2 * c], axis=-1) for a, b, c in tensors], 5)
+    smoothed = raster([np.stack([smooth(channel) for channel in tensor], axis=-1) for tensor in tensors])
+    given = pack(block.i.payload.shape(), fields(squares, "abd"))
+    return {"i": given}, {"o": pack(block.o.payload.shape(), fields(smoothed, "abc"))}
 
 
-def streams(frames: list[Array], shape: Shape) -> tuple[dict[str, Words], dict[str, Words]]:
-    block = ConvolutionUnit(shape)
-    smoothed = [smooth(frame.astype(np.int32)) for frame in frames]
-    given = pack(block.i.payload.shape(), columns(frames, 5))
-    return {"i": given}, {"o": pack(block.o.payload.shape(), raster(smoothed))}
+def fields(tagged: dict[str, Any], names: str) -> dict[str, Any]:
+    return tagged | {"data": {name: tagged["data"][:, k] for k, name in enumerate(names)}}
+
+
+def pairs(gx: list[Array], gy: list[Array]) -> list[Pair]:
+    return list(zip(gx, gy, strict=True))
+
+
+def noisy(sizes: list[tuple[int, int]], largest: int) -> list[Pair]:
+    return pairs(*(noise(sizes, largest, seed, smallest=-largest) for seed in (1, 2)))
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
-@pytest.mark.parametrize("shape", SHAPES, ids=IDS)
-def test_smoothing(shape: Shape, name: EngineName, stalls: Stalls) -> None:
-    largest, smallest = bounds(shape)
+@pytest.mark.parametrize("gradient", GRADIENTS)
+def test_smoothing(gradient: Gradient, name: EngineName, stalls: Stalls) -> None:
+    parameters = Parameters(gradient=gradient)
     sizes = SIZES if name == "compiled" else [(5, 5), (7, 12), (6, 5)]
-    given, expected = streams(noise(sizes, largest, smallest=smallest), shape)
-    capture = run(engine(name, ConvolutionUnit, shape), given, expected, stalls)
+    given, expected = streams(noisy(sizes, 255), parameters)
+    capture = run(engine(name, Convolution, parameters), given, expected, stalls)
     if stalls == NO_STALLS:
         beats = completing([(height - 4, width) for height, width in sizes], 5)
-        assert_timing(capture, ConvolutionUnit.latency, beats)
+        assert_timing(capture, Convolution(parameters).latency, beats)
 
 
-@pytest.mark.parametrize("shape", SHAPES, ids=IDS)
-def test_extremes(shape: Shape) -> None:
-    """Also the very ends of the format, which no pixels reach."""
-    ends = ((1 << 16) - 1, -(1 << 16) if shape.signed else 0)
-    frames = extremes((11, 13), *bounds(shape)) + extremes((11, 13), *ends)
-    run(engine("compiled", ConvolutionUnit, shape), *streams(frames, shape))
+@pytest.mark.parametrize("gradient", GRADIENTS)
+@pytest.mark.parametrize("pixel_bits", range(MIN_PIXEL_BITS, MAX_PIXEL_BITS + 1))
+def test_extremes(gradient: Gradient, pixel_bits: int) -> None:
+    """Gradients of nothing but their two ends, in step and out of step; then any."""
+    parameters = Parameters(gradient=gradient, pixel_bits=pixel_bits)
+    largest = parameters.pixel_max
+    patterns = extremes((11, 13), largest, -largest)
+    frames = [(gx, gy) for gx in patterns for gy in (gx, -gx, patterns[2], 0 * gx)]
+    given, expected = streams(frames + noisy([(40, 50)], largest), parameters)
+    run(engine("compiled", Convolution, parameters), given, expected)
+    smoothed = unpack(Beat(products_layout(parameters)), expected["o"])["data"]
+    most = parameters.product_max
+    assert (smoothed["a"].max(), smoothed["b"].max(), smoothed["c"].max()) == (most, most, most)
+    assert smoothed["c"].min() == (-most if gradient == "signed" else 0)
 
 
-@pytest.mark.parametrize("shape", SHAPES, ids=IDS)
-def test_every_tap(shape: Shape) -> None:
-    """A lone 64 in each of the 25 places shows the kernel itself, as printed in Eq. 1 times 64."""
-    frames = [np.where(np.arange(25).reshape(5, 5) == place, 64, 0) for place in range(25)]
-    given, _ = streams(frames, shape)
+@pytest.mark.parametrize("gradient", GRADIENTS)
+def test_every_tap(gradient: Gradient) -> None:
+    """A lone product of 64 in each of the 25 places shows the kernel itself, as printed in Eq. 1 times 64."""
+    place = [np.arange(25).reshape(5, 5) == k for k in range(25)]
     assert KERNEL.sum() == 64
-    taps = [1, 2, 2, 2, 1, 2, 4, 4, 4, 2, 2, 4, 4, 4, 2, 2, 4, 4, 4, 2, 1, 2, 2, 2, 1]
-    ones = np.ones(25)
-    block = ConvolutionUnit(shape)
-    expected = pack(block.o.payload.shape(), {"data": np.array(taps), "eol": ones, "eof": ones})
-    run(engine("compiled", ConvolutionUnit, shape), given, {"o": expected})
+    taps = np.array([1, 2, 2, 2, 1, 2, 4, 4, 4, 2, 2, 4, 4, 4, 2, 2, 4, 4, 4, 2, 1, 2, 2, 2, 1])
+    parameters = Parameters(gradient=gradient)
+    # the three squares are those of 8·8, 8·0, 0·8
+    for gx, gy, expected in ((8, 8, (1, 1, 1)), (8, 0, (1, 0, 0)), (0, -8, (0, 1, 0))):
+        given, _ = streams([(np.where(p, gx, 0), np.where(p, gy, 0)) for p in place], parameters)
+        values = {name: taps * factor for name, factor in zip("abc", expected, strict=True)}
+        tagged = {"data": values, "eol": np.ones(25), "eof": np.ones(25)}
+        block = Convolution(parameters)
+        run(
+            engine("compiled", Convolution, parameters),
+            given,
+            {"o": pack(block.o.payload.shape(), tagged)},
+        )
 
 
 @pytest.mark.parametrize("name", ENGINES)
@@ -84,14 +115,15 @@ def test_halves_round_away_from_zero(name: EngineName) -> None:
     """4 times the centre over 64: 8 gives one half, 7 less, 9 more, and likewise 24, 23 and 25 around 1.5."""
     centres = [7, 8, 9, 23, 24, 25, -7, -8, -9, -23, -24, -25, 0]
     rounded = [0, 1, 1, 1, 2, 2, 0, -1, -1, -1, -2, -2, 0]
-    shape = signed(17)
-    block = ConvolutionUnit(shape)
-    frames = [np.where(np.arange(25).reshape(5, 5) == 12, centre, 0) for centre in centres]
-    given = pack(block.i.payload.shape(), columns(frames, 5))
-    ones = np.ones(len(frames))
-    expected = pack(block.o.payload.shape(), {"data": np.array(rounded), "eol": ones, "eof": ones})
-    run(engine(name, ConvolutionUnit, shape), {"i": given}, {"o": expected})
+    parameters = Parameters(gradient="signed")
+    middle = np.arange(25).reshape(5, 5) == 12
+    frames = [(np.where(middle, centre, 0), np.where(middle, 1, 0)) for centre in centres]
+    given, expected = streams(frames, parameters)
+    run(engine(name, Convolution, parameters), given, expected)
+    cross = unpack(Beat(products_layout(parameters)), expected["o"])["data"]["c"]
+    assert cross.tolist() == rounded
 
 
-def test_latency() -> None:
-    assert ConvolutionUnit.latency == 7
+@pytest.mark.parametrize(("gradient", "clocks"), [("absolute", 2), ("signed", 3)])
+def test_latency(gradient: Gradient, clocks: int) -> None:
+    assert Convolution(Parameters(gradient=gradient)).latency == clocks
