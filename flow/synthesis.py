@@ -14,13 +14,14 @@ from amaranth.back import rtlil
 from amaranth.lib import wiring
 
 from flow.area import Area, Block
-from flow.netlist import Netlist, area_tree
+from flow.netlist import PRIMITIVES, area_tree
+from flow.refine import refine
 from flow.verilog import MODULE
 from flow.yowasp import run_yosys
 from golden import Parameters
 from hdl.detector import Detector
 
-RULES = ("cells.v", "memory.txt", "memory.v", "arithmetic.v", "flipflops.v", "luts.v")
+RULES = ("cells.v", "operators.v", "memory.txt", "memory.v", "arithmetic.v", "flipflops.v", "luts.v")
 
 MAP = """
 read_verilog -lib cells.v
@@ -36,7 +37,12 @@ opt
 wreduce
 peepopt
 opt_clean
+techmap -map operators.v t:$gt t:$ge t:$le
+opt
 alumacc
+maccmap -unmap
+wreduce
+techmap -map operators.v t:$add t:$sub
 share
 opt
 tee -q -o multipliers.txt dump t:$mul
@@ -54,15 +60,25 @@ techmap
 opt -fast
 opt_expr -undriven -fine
 opt_clean
-dfflegalize -cell $_DFFE_PP_ 01 -cell $_SDFFCE_PP0P_ 0 -mince 8 -minsrst 4
+dfflegalize -cell $_DFFE_PP_ 01 -cell $_SDFFCE_PP0P_ 0 -mince 4 -minsrst 4
 techmap -map flipflops.v
 opt_expr -mux_undef
 simplemap
-abc -lut 4
+abc -lut 4 -script {abc}
 clean
 techmap -map luts.v
 clean
-setattr -mod -unset keep_hierarchy
+write_json mapped.json
+"""
+# for area: tables are shared where that saves some, even if a path becomes longer
+ABC = "+strash;ifraig;scorr;&get,-n;&syn3;&syn4;&dch;&put;if,-a;mfs2;lutpack,-S,1"
+
+WRITE = """
+read_verilog -lib cells.v
+read_json refined.json
+hierarchy -check -top {top}
+opt_clean
+check -assert
 write_json mapped.json
 write_verilog -noattr netlist.v
 """
@@ -119,8 +135,14 @@ def map_component(component: wiring.Component, top: str) -> tuple[Block, str]:
         (folder / "design.il").write_text(
             rtlil.convert(component, name=top, emit_src=False), encoding="utf-8"
         )
-        run_yosys(MAP.format(top=top), folder)
-        netlist: Netlist = json.loads((folder / "mapped.json").read_text(encoding="utf-8"))
+        run_yosys(MAP.format(top=top, abc=ABC), folder)
+        netlist = json.loads((folder / "mapped.json").read_text(encoding="utf-8"))
+        refine(netlist)
+        for primitive in PRIMITIVES:
+            del netlist["modules"][primitive]
+        (folder / "refined.json").write_text(json.dumps(netlist), encoding="utf-8")
+        run_yosys(WRITE.format(top=top), folder)
+        netlist = json.loads((folder / "mapped.json").read_text(encoding="utf-8"))
         read = {stem: (folder / f"{stem}.txt").read_text() for stem in ("memories", "left", "multipliers")}
         verilog = (folder / "netlist.v").read_text(encoding="utf-8")
     bits = _per_module(read["memories"], _bits)
