@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import click
@@ -26,7 +27,14 @@ CACHE = Path("build") / "comparison"
 )
 @click.option("--quick", is_flag=True, help="Frames of 200x200 only, and no place and route.")
 @click.option("--no-synthesis", is_flag=True, help="Leave out area, too; memory bits and clocks remain.")
-def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool) -> None:
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=os.cpu_count() or 1,
+    show_default="processors",
+    help="Builds measured at a time; each takes about 1 GB.",
+)
+def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool, jobs: int) -> None:
     """Measure area, speed and clocks per frame of every build, and set them beside the paper's Tables 1 to 4.
 
     Takes about half an hour, and the tools of pip install 'cornerstream[synth]'. What was measured before
@@ -43,7 +51,7 @@ def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool
     if page_only:
         figures, files = _read(folder / FIGURES_NAME), {}
     else:
-        figures = _measure(quick=quick, synthesis=not no_synthesis)
+        figures = _measure(quick=quick, synthesis=not no_synthesis, jobs=jobs)
         files = {folder / FIGURES_NAME: (json.dumps(figures, indent=1) + "\n").encode()}
     files[folder / PAGE_NAME] = page(figures).encode()
     write_all(files)
@@ -59,7 +67,7 @@ def _read(path: Path) -> Record:
         raise BadInput(f"{path} is no JSON; allowed: what was measured before") from error
 
 
-def _measure(*, quick: bool, synthesis: bool) -> Record:
+def _measure(*, quick: bool, synthesis: bool, jobs: int) -> Record:
     from flow.yowasp import ToolError, ToolNotFoundError
 
     chosen = builds(SIZES[-1:]) if quick else builds()

