@@ -73,7 +73,7 @@ def frame_records(
     if not report_rejected:
         keep = ~textured
         rows, columns, windows, textured = rows[keep], columns[keep], windows[keep], textured[keep]
-    offset = subpixel(windows[:, inner - 1 : inner + 2, inner - 1 : inner + 2], parameters.fit)
+    offset = subpixel(windows[:, inner - 1 : inner + 2, inner - 1 : inner + 2], parameters)
     return encode(columns + MARGIN, rows + MARGIN, windows[:, inner, inner], offset, textured)
 
 

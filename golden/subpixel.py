@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.divider import HALF, divide
-from golden.parameters import Fit
+from golden.divider import divide
+from golden.parameters import Fit, Parameters
 from golden.preprocessing import IntArray
 
 Int64 = NDArray[np.int64]
@@ -28,9 +29,31 @@ class Surface(NamedTuple):
     l4: Int64
 
 
+MANTISSA_BITS = 10
+"""Bits of the curvatures and slopes, beside their sign, that go into the products of Eq. 13."""
+DROPPED_BITS = 4
+"""Low bits of these sums of products that the division does without."""
+
+
+class Derivatives(NamedTuple):
+    """Second derivatives of the surface, those along an axis negated, and its slopes at the centre pixel.
+
+    xx = -2 L0, yy = -2 L1, xy = L2, x = L3, y = L4: at a maximum xx and yy are positive.
+    """
+
+    xx: Int64
+    yy: Int64
+    xy: Int64
+    x: Int64
+    y: Int64
+
+
 @dataclass(frozen=True)
 class Offset:
-    """Peak relative to the centre pixel: dx, dy in 1/128 pixel within ±64, and what became of the fit."""
+    """Peak relative to the centre pixel: dx, dy in 1/128 pixel within ±64, and what became of the fit.
+
+    clamped: the peak lies half a pixel away or more, along x or y. not_maximum: the surface has no peak.
+    """
 
     dx: Int64
     dy: Int64
@@ -78,36 +101,71 @@ def fit_printed(s: IntArray) -> Surface:
     return Surface(*(samples @ weights[k] for k in range(5)))
 
 
-def peak(surface: Surface, printed: bool = False) -> Offset:
+FITS: dict[Fit, Callable[[IntArray], Surface]] = {
+    "nine": fit_nine,
+    "six": fit_six,
+    "printed": fit_printed,
+}
+
+
+def derivative_bits(parameters: Parameters) -> int:
+    """Width of the largest derivative that the fit can give, without its sign."""
+    # each is a weighted sum of the samples: it is largest where only those with weights of one sign are not zero
+    units = np.eye(9, dtype=np.int64).reshape(9, 3, 3)
+    weights = np.stack(derivatives(FITS[parameters.fit](units)))
+    largest = np.maximum(np.maximum(weights, 0).sum(-1), np.maximum(-weights, 0).sum(-1)).max()
+    return (int(largest) * parameters.response_max).bit_length()
+
+
+def derivatives(surface: Surface) -> Derivatives:
+    """Derivatives at the centre pixel, in units of the surface's scale."""
+    return Derivatives(-2 * surface.l0, -2 * surface.l1, surface.l2, surface.l3, surface.l4)
+
+
+def mantissas(values: Derivatives, bits: int) -> Derivatives:
+    """The five values as block floating point: MANTISSA_BITS and a sign each, all with one exponent.
+
+    The peak depends on ratios only. So all are shifted up until the largest, of ``bits`` bits at most, is at the
+    top, or until nothing would be lost, and cut (rounded down).
+    """
+    low = max(bits - MANTISSA_BITS, 0)
+    largest = np.maximum.reduce([np.where(value < 0, ~value, value) for value in values])
+    shift = np.minimum(bits - bit_length(largest), low)
+    return Derivatives(*((value << shift) >> low for value in values))
+
+
+def bit_length(values: Int64) -> Int64:
+    """Number of bits of integers from 0 to 2**53."""
+    return np.frexp(values.astype(np.float64))[1].astype(np.int64)
+
+
+def peak(values: Derivatives, bits: int, printed: bool = False) -> Offset:
     """Stationary point of the surface (Eq. 13), kept only where it is a maximum, and within half a pixel.
 
-        dx = (2 L1 L3 - L2 L4) / (L2² - 4 L0 L1)
-        dy = (2 L0 L4 - L2 L3) / (L2² - 4 L0 L1)
+        dx = (2 L1 L3 - L2 L4) / (L2² - 4 L0 L1) = (yy·x + xy·y) / (xx·yy - xy²)
+        dy = (2 L0 L4 - L2 L3) / (L2² - 4 L0 L1) = (xx·y + xy·x) / (xx·yy - xy²)
 
     Where a curvature or the denominator has the wrong sign the offset is (0, 0); beyond half a pixel it is
-    clamped, each axis for itself.
+    clamped, each axis for itself. ``bits`` is the width of the largest value (:func:`derivative_bits`).
 
     ``printed`` keeps the misprint 2 L1 L2 in the first numerator, and, as the paper, does not ask for a
     maximum: Eqs. 11 and 12 turn nearly every corner into a surface without one. It is clamped all the same.
     """
-    l0, l1, l2, l3, l4 = surface
-    denominator = 4 * l0 * l1 - l2 * l2
-    usable = denominator != 0 if printed else (l0 < 0) & (l1 < 0) & (denominator > 0)
+    xx, yy, xy, x, y = mantissas(values, bits)
+    denominator = (xx * yy - xy * xy) >> DROPPED_BITS
+    usable = denominator != 0 if printed else (xx >= 0) & (denominator > 0)
     divisor = np.where(usable, np.abs(denominator), 1)
 
-    def quotient(numerator: Int64) -> tuple[Int64, NDArray[np.bool_]]:
-        numerator = np.where(usable, np.sign(denominator) * numerator, 0)
-        magnitude = np.abs(numerator)
-        beyond = 2 * magnitude > divisor
-        result = np.where(beyond, HALF, divide(np.where(beyond, 0, magnitude), divisor))
-        return np.sign(numerator) * result, beyond
+    def quotient(products: Int64) -> tuple[Int64, NDArray[np.bool_]]:
+        numerator = np.where(usable, np.sign(denominator) * (products >> DROPPED_BITS), 0)
+        return divide(numerator, divisor), 2 * np.abs(numerator) >= divisor
 
-    dx, beyond_x = quotient(l2 * l4 - 2 * l1 * (l2 if printed else l3))
-    dy, beyond_y = quotient(l2 * l3 - 2 * l0 * l4)
+    dx, beyond_x = quotient(yy * (xy if printed else x) + xy * y)
+    dy, beyond_y = quotient(xx * y + xy * x)
     return Offset(dx, dy, beyond_x | beyond_y, ~usable)
 
 
-def subpixel(patches: IntArray, fit: Fit) -> Offset:
-    """Offset of the peak for (..., 3, 3) response patches, by the chosen fit."""
-    surfaces = {"nine": fit_nine, "six": fit_six, "printed": fit_printed}
-    return peak(surfaces[fit](patches), printed=fit == "printed")
+def subpixel(patches: IntArray, parameters: Parameters) -> Offset:
+    """Offset of the peak for (..., 3, 3) response patches, by the fit of ``parameters``."""
+    values = derivatives(FITS[parameters.fit](patches))
+    return peak(values, derivative_bits(parameters), printed=parameters.fit == "printed")

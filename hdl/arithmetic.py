@@ -44,3 +44,9 @@ def multiply(pipe: Pipeline, a: Value, b: Value, name: str) -> Value:
     """a·b, both unsigned; latency ``tree_latency(len(b))``: give the narrower as b."""
     terms = [Mux(b[i], Cat(C(0, i), a), 0) for i in range(len(b))]
     return add_tree(pipe, terms, name)[: len(a) + len(b)]
+
+
+def add_with_carry(a: Value, b: Value, carry: Value) -> Value:
+    """a + b + carry, both signed, as one carry chain: the carry enters it at a place below the lowest."""
+    low = Cat(carry, b).as_signed()
+    return (Cat(C(1, 1), a).as_signed() + low)[1:].as_signed()

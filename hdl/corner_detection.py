@@ -4,25 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Mux, Value, unsigned
+from amaranth.hdl import C, Cat, Module, Mux, Value, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import WINDOW_SIZE, Parameters
+from golden.parameters import Parameters
 from hdl.stream import Beat, Columns, Pipeline, WindowCounter
 
 
-def patch_layout(parameters: Parameters) -> data.ArrayLayout:
-    """The 3x3 responses around a candidate: ``[row][column]``."""
-    return data.ArrayLayout(data.ArrayLayout(unsigned(parameters.response_bits), 3), 3)
+def corner_layout(parameters: Parameters) -> data.StructLayout:
+    """Is the pixel a corner, and its response."""
+    return data.StructLayout({"corner": 1, "response": parameters.response_bits})
 
 
 class CornerDetection(wiring.Component):
-    """E: is the centre of the 9x9 window the largest of its 3x3 neighbourhood, and above T1?
-
-    Takes the window's three middle rows, delivers one beat per complete 9x9 window, rows eight positions shorter.
-    The centre lies four columns behind the newest, so the comparisons are spread over those four columns on
-    their way and cost no latency.
+    """E: is the middle of three columns' middle row the largest of the 3x3 neighbourhood, and above T1?
 
     Members
     -------
@@ -31,69 +27,68 @@ class CornerDetection(wiring.Component):
     t1
         Stream of T1, one per frame, taken with the frame's last column.
     o
-        Stream of ``Beat({"corner": 1, "patch": patch_layout})``.
+        Stream of ``Beat(corner_layout(parameters))``, rows two positions shorter.
     """
 
-    latency = 1
+    latency = 3
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
         response = unsigned(parameters.response_bits)
-        result = data.StructLayout({"corner": 1, "patch": patch_layout(parameters)})
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(response, 3))),
                 "t1": In(stream.Signature(response)),
-                "o": Out(stream.Signature(Beat(result))),
+                "o": Out(stream.Signature(Beat(corner_layout(parameters)))),
             }
         )
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o, permit=self.t1.valid)
-        bits = self._parameters.response_bits
         step = pipe.valid & pipe.advance
-        window = WindowCounter(m, WINDOW_SIZE, step=step, eol=self.i.payload.eol)
+        window = WindowCounter(m, 3, step=step, eol=self.i.payload.eol)
         m.d.comb += self.t1.ready.eq(step & self.i.payload.eof)
+        top, middle, bottom = (self.i.payload.data[row] for row in range(3))
 
-        # columns[0] is the newest; every register here moves from column to column
-        columns = [Cat(*(self.i.payload.data[row] for row in range(3)))]
-        for age in range(WINDOW_SIZE // 2 + 2):
-            columns.append(pipe.register(columns[-1], f"column_{age}", when=pipe.valid))
+        beat = pipe.register(pipe.valid, "beat", reset=True)
+        ends = pipe.register(_larger(self._before(top), self._after(bottom)), "ends")
+        above = pipe.register(middle > self.t1.payload, "above")
+        middle = pipe.register(middle, "middle")
 
-        def sample(column: int, row: int) -> Value:
-            return columns[column][row * bits : (row + 1) * bits]
+        def kept(value: Value, name: str) -> Value:
+            return pipe.register(value, name, when=beat)
 
-        def largest(a: Value, b: Value) -> Value:
-            return Mux(a > b, a, b)
+        # what the column before this one needs to know of this one, and the other way round
+        peak = self._centre(middle) > ends
+        largest_1 = kept(Mux(self._before(middle) > ends, self._before(middle), ends), "largest_1")
+        promising_1 = kept(above & peak & (self._centre(middle) > largest_1), "promising_1")
+        middle_1 = kept(middle, "middle_1")
+        beats_ends = pipe.register(promising_1 & (self._centre(middle_1) > ends), "beats_ends")
+        beats_middle = pipe.register(self._centre(middle_1) > self._after(middle), "beats_middle")
 
-        def register(value: Value, name: str) -> Value:
-            return pipe.register(value, name, when=pipe.valid)
-
-        # the window is columns 3, 2, 1 from left to right when the first comparisons are made, and then moves on;
-        # earlier and later are meant in raster order
-        left, here, right = 3, 2, 1
-        earlier_a = register(largest(sample(left, 0), sample(here, 0)), "earlier_a")
-        earlier_b = register(largest(sample(right, 0), sample(left, 1)), "earlier_b")
-        later_a = register(largest(sample(right, 1), sample(left, 2)), "later_a")
-        later_b = register(largest(sample(here, 2), sample(right, 2)), "later_b")
-        above = register(sample(here, 1) > self.t1.payload, "above")
-
-        earlier = register(largest(earlier_a, earlier_b), "earlier")
-        later = register(largest(later_a, later_b), "later")
-        above = register(above, "above_2")
-
-        centre = sample(here + 2, 1)
-        beats_later = centre > later if self._parameters.ties == "strict" else centre >= later
-        corner = register(above & (centre > earlier) & beats_later, "corner")
-
-        # by then the centre has moved on to column 5
-        patch = [[sample(column, row) for column in (6, 5, 4)] for row in range(3)]
+        tags = pipe.delay(Cat(self.i.payload.eol, self.i.payload.eof), self.latency, "tags")
+        complete = pipe.delay(pipe.valid & window.complete, self.latency, "complete", reset=True)
         m.d.comb += [
-            self.o.valid.eq(pipe.register(pipe.valid & window.complete, "valid", reset=True)),
-            self.o.payload.data.corner.eq(corner),
-            self.o.payload.data.patch.eq(Cat(*(Cat(*row) for row in patch))),
-            self.o.payload.eol.eq(pipe.register(self.i.payload.eol, "eol")),
-            self.o.payload.eof.eq(pipe.register(self.i.payload.eof, "eof")),
+            self.o.valid.eq(complete),
+            self.o.payload.data.corner.eq(pipe.register(beats_ends & beats_middle, "corner")),
+            self.o.payload.data.response.eq(pipe.delay(middle_1, 2, "response")),
+            Cat(self.o.payload.eol, self.o.payload.eof).eq(tags),
         ]
         return m
+
+    # Neighbours that come before the centre in raster order must be smaller; those that come after may equal it
+    # with ties="first". Half a unit more for the centre and for those before says both with one comparison.
+
+    def _centre(self, value: Value) -> Value:
+        return self._before(value)
+
+    def _before(self, value: Value) -> Value:
+        return value if self._parameters.ties == "strict" else Cat(C(1, 1), value)
+
+    def _after(self, value: Value) -> Value:
+        return value if self._parameters.ties == "strict" else Cat(C(0, 1), value)
+
+
+def _larger(a: Value, b: Value) -> Value:
+    return Mux(a > b, a, b)

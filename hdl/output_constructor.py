@@ -11,7 +11,7 @@ from amaranth.lib.wiring import In, Out
 from golden.output_constructor import COUNT_BITS, END_OF_FRAME, FRAME_BITS, RECORD_BITS, RESPONSE_FIELD_BITS
 from golden.parameters import COORDINATE_BITS, OFFSET_BITS, Parameters
 from hdl.candidate_selection import note_layout
-from hdl.stream import Pipeline, join
+from hdl.stream import Pipeline
 from hdl.subpixel import offset_layout
 
 
@@ -28,7 +28,7 @@ class OutputConstructor(wiring.Component):
     note
         Stream of ``note_layout(parameters)``.
     offset
-        Stream of ``offset_layout()``, one for each note; ignored for an end.
+        Stream of ``offset_layout()``, one for each note but an end.
     maximum
         Stream of each frame's largest response, taken at its end.
     o
@@ -51,17 +51,21 @@ class OutputConstructor(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         note, offset = self.note.payload, self.offset.payload
-        both = stream.Signature(0).create(path=("both",))
-        join(m, [self.note, self.offset], both)
-        pipe = Pipeline(m, both, self.o, permit=~note.end | self.maximum.valid)
+        complete = stream.Signature(0).create(path=("complete",))
+        pipe = Pipeline(m, complete, self.o)
         step = pipe.valid & pipe.advance
+        m.d.comb += [
+            complete.valid.eq(self.note.valid & Mux(note.end, self.maximum.valid, self.offset.valid)),
+            self.note.ready.eq(step),
+            self.offset.ready.eq(step & ~note.end),
+            self.maximum.ready.eq(step & note.end),
+        ]
 
         count, frame = Signal(COUNT_BITS), Signal(FRAME_BITS)
         with m.If(step):
             m.d.sync += count.eq(count + 1)
             with m.If(note.end):
                 m.d.sync += [count.eq(0), frame.eq(frame + 1)]
-        m.d.comb += self.maximum.ready.eq(step & note.end)
 
         x = (Cat(C(0, OFFSET_BITS), note.x) + offset.dx)[:COORDINATE_BITS]
         y = (Cat(C(0, OFFSET_BITS), note.y) + offset.dy)[:COORDINATE_BITS]

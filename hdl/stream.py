@@ -9,6 +9,7 @@ from typing import Any
 
 from amaranth.hdl import Module, ShapeLike, Signal, Value, ValueLike
 from amaranth.lib import data, stream, wiring
+from amaranth.lib.fifo import SyncFIFOBuffered
 from amaranth.lib.wiring import In, Out
 
 
@@ -128,28 +129,39 @@ class SkidBuffer(wiring.Component):
         return m
 
 
-class Delay(wiring.Component):
-    """Registers that let one branch of a fork take as long as the other.
+class Queue(wiring.Component):
+    """First in, first out, in block RAM.
 
     Parameters
     ----------
     shape
         Payload.
-    latency
-        Clocks from input to output beat.
+    depth
+        Beats that it holds.
+
+    Members
+    -------
+    i, o
+        Streams of ``shape``.
     """
 
-    def __init__(self, shape: ShapeLike, latency: int) -> None:
-        self._shape = shape
-        self.latency = latency
+    latency = 2
+
+    def __init__(self, shape: ShapeLike, depth: int) -> None:
+        self._depth = depth
         super().__init__({"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape))})
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        pipe = Pipeline(m, self.i, self.o)
+        width = len(Value.cast(self.i.payload))
+        m.submodules.fifo = fifo = SyncFIFOBuffered(width=width, depth=self._depth)
         m.d.comb += [
-            self.o.valid.eq(pipe.delay(self.i.valid, self.latency, "valid", reset=True)),
-            self.o.payload.eq(pipe.delay(self.i.payload, self.latency, "payload")),
+            fifo.w_data.eq(self.i.payload),
+            fifo.w_en.eq(self.i.valid),
+            self.i.ready.eq(fifo.w_rdy),
+            self.o.payload.eq(fifo.r_data),
+            self.o.valid.eq(fifo.r_rdy),
+            fifo.r_en.eq(self.o.ready),
         ]
         return m
 

@@ -1,0 +1,60 @@
+"""The middle three rows of the 9x9 window, held back until the rest of it is there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Cat, Module, unsigned
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.parameters import WINDOW_SIZE, Parameters
+from hdl.delay_line import DelayLine
+from hdl.stream import Columns, Pipeline, WindowCounter
+
+_LATE = WINDOW_SIZE // 2 - 1
+
+
+class CentreRows(wiring.Component):
+    """Columns of three rows out of columns of nine, so late that windows 3 wide and windows 9 wide are complete together.
+
+    Of every row the first three columns and the last three are left out: they are never next to the centre of
+    a complete 9x9 window.
+
+    Members
+    -------
+    i
+        Stream of ``Columns(unsigned(response_bits), 9)``.
+    o
+        Stream of ``Columns(unsigned(response_bits), 3)``, rows six positions shorter.
+    """
+
+    latency = 1
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._response = unsigned(parameters.response_bits)
+        super().__init__(
+            {
+                "i": In(stream.Signature(Columns(self._response, WINDOW_SIZE))),
+                "o": Out(stream.Signature(Columns(self._response, 3))),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        pipe = Pipeline(m, self.i, self.o)
+        step = pipe.valid & pipe.advance
+        window = WindowCounter(m, 2 * _LATE + 1, step=step, eol=self.i.payload.eol)
+        middle = WINDOW_SIZE // 2
+        rows = Cat(*(self.i.payload.data[row] for row in range(middle - 1, middle + 2)))
+        # moves from column to column; its last register is the one of the output
+        m.submodules.late = late = DelayLine(len(rows), _LATE + self.latency)
+        m.d.comb += [
+            late.enable.eq(step),
+            late.i.eq(rows),
+            self.o.valid.eq(pipe.register(pipe.valid & window.complete, "valid", reset=True)),
+            self.o.payload.data.eq(late.o),
+            self.o.payload.eol.eq(pipe.register(self.i.payload.eol, "eol")),
+            self.o.payload.eof.eq(pipe.register(self.i.payload.eof, "eof")),
+        ]
+        return m
