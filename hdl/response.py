@@ -18,7 +18,7 @@ from hdl.square_table import SquareTable
 from hdl.stream import Beat, Pipeline
 
 RADICAND_LATENCY = 6
-"""Sizes, two clocks of look-up, one of the difference of halves, sum of halves, radicand."""
+"""Sizes, difference of their halves, two clocks of look-up, sum over both numbers, radicand."""
 
 
 class Response(wiring.Component):

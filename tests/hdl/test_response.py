@@ -114,7 +114,7 @@ def test_every_pixel_width(gradient: Gradient, bits: int) -> None:
 
 
 def test_latency() -> None:
-    """Sizes 1, look-up 3, sum of halves 1, radicand 1; root 17, or in steps of three bits 6; difference 1."""
+    """Sizes, their halves' difference, look-up 2, sum, radicand; root 17, or in steps of three bits 6; D."""
     assert Response(ABSOLUTE).latency == 6 + 17 + 1
     assert Response(SIGNED).latency == 6 + 6 + 1
 
