@@ -73,7 +73,13 @@ def _measure(*, quick: bool, synthesis: bool, jobs: int) -> Record:
     chosen = builds(SIZES[-1:]) if quick else builds()
     try:
         find_compiler()
-        return measure(chosen, CACHE, synthesis=synthesis, place=synthesis and not quick, notify=console.say)
+        return measure(
+            *(chosen, CACHE),
+            synthesis=synthesis,
+            place=synthesis and not quick,
+            jobs=jobs,
+            notify=console.say,
+        )
     except (CompilerNotFoundError, ToolNotFoundError) as error:
         raise BadInput(one_line(error)) from error
     except (CompilationError, FigureError, SimulationError, ToolError) as error:

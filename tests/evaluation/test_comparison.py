@@ -263,6 +263,33 @@ def test_command_measures_and_writes(
     assert result.stdout == "" and result.stderr == "Written: out/comparison.md\n"
 
 
+@pytest.mark.parametrize(
+    ("options", "sizes", "expected"),
+    [
+        ([], figures.SIZES, {"synthesis": True, "place": True, "jobs": 3}),
+        (["--quick"], figures.SIZES[-1:], {"synthesis": True, "place": False, "jobs": 3}),
+        (["--no-synthesis"], figures.SIZES, {"synthesis": False, "place": False, "jobs": 3}),
+    ],
+)
+def test_command_measures_what_is_asked_for(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    options: list[str],
+    sizes: Any,
+    expected: dict[str, Any],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    def measured(chosen: list[Build], cache: Path, *, notify: object, **rest: Any) -> Record:
+        assert chosen == builds(sizes) and rest == expected
+        return {"tools": TOOLS, "builds": [invented(build) for build in chosen]}
+
+    monkeypatch.setattr("cornerstream.tables.measure", measured)
+    run(*options, "--jobs", "3")
+    folder = Path("build/comparison") if "--quick" in options else Path("docs")
+    assert sorted(path.name for path in folder.iterdir()) == ["comparison.json", "comparison.md"]
+
+
 def test_command_on_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert "cannot read empty/comparison.json" in run("--page", "-o", "empty", code=2).stderr
