@@ -10,13 +10,16 @@ block's.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 Kind = Literal["simple dual-port RAM", "ROM", "dual-port ROM", "logic"]
 
 _DECLARATION = re.compile(r"^  reg (?:\[(\d+):0\] )?(\w+) \[(\d+):0\];\n", re.MULTILINE)
-_CLOCKED = r"always @\(posedge (\w+)\)(?: begin)?\s+(?:if \(\w+(?:\[\d+\])?\)(?: begin)?\s+)?"
+# an always block on a clock, and what such a block is to be made of: assignments, each with or without an enable
+_BLOCK = re.compile(r"^  always @\(posedge (\w+)\)(?: begin)?\n((?:    .*\n)+)", re.MULTILINE)
+_ASSIGNMENT = re.compile(r"\s*(?:if \(\w+(?:\[\d+\])?\)( begin)?\s+)?(\S+) <= ([^;]+);(?(1)\s+end)\s*")
 # the same wish in the words of other tools
 _FOREIGN = re.compile(r"^  \(\* ram_style = .* \*\)\n", re.MULTILINE)
 
@@ -76,10 +79,14 @@ def with_attributes(body: str) -> str:
 
 def _memory(module: str, declaration: re.Match[str], body: str) -> Memory:
     high, name, last = declaration.groups()
-    word = rf"\b{name}\[([^\[\]]+(?:\[[\d:]+\])?)\]"
+    word = re.compile(rf"{name}\[([^\[\]]+(?:\[[\d:]+\])?)\]")
     # each a clock and an address
-    reads = re.findall(rf"{_CLOCKED}\w+ <= {word};", body)
-    writes = re.findall(rf"{_CLOCKED}{word} <= [^;]+;", body)
+    reads, writes = [], []
+    for clock, target, value in _assignments(body):
+        if match := word.fullmatch(target):
+            writes.append((clock, match[1]))
+        if match := word.fullmatch(value):
+            reads.append((clock, match[1]))
     contents = re.findall(rf"^    {name}\[\d+\] = [^;]+;", body, re.MULTILINE)
     kind: Kind = "logic"
     # every other way to use it, such as reading it without a clock, is in no template
@@ -98,3 +105,15 @@ def _memory(module: str, declaration: re.Match[str], body: str) -> Memory:
         kind=kind,
         same_address=bool(writes) and [place for _, place in writes] == [place for _, place in reads],
     )
+
+
+def _assignments(body: str) -> Iterator[tuple[str, str, str]]:
+    """Clock, target and value of each assignment in always blocks that hold nothing but assignments with enables."""
+    for clock, inside in _BLOCK.findall(body):
+        found = []
+        place = 0
+        while match := _ASSIGNMENT.match(inside, place):
+            found.append((clock, match[2], match[3]))
+            place = match.end()
+        if place == len(inside):
+            yield from found

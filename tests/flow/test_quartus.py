@@ -178,6 +178,18 @@ REGISTERED = "  always @(posedge clk) begin\n    if (en) begin\n      q <= bank[
         (buffer("  always @(posedge clk)\n    q <= bank[ra];\n"), "simple dual-port RAM"),
         (buffer(REGISTERED, contents="    bank[0] = 8'h01;\n    bank[1] = 8'h02;\n"), "ROM"),
         (buffer(REGISTERED + REGISTERED, contents="    bank[0] = 8'h01;\n"), "dual-port ROM"),
+        (
+            buffer(
+                REGISTERED.replace(
+                    "    end\n", "    end\n    if (en) begin\n      p <= bank[pa[7:4]];\n    end\n"
+                ),
+                contents="    bank[0] = 8'h01;\n",
+            ),
+            "dual-port ROM",
+        ),
+        # read with a reset, or now one word and now another
+        (buffer("  always @(posedge clk)\n    if (rst) q <= 8'h00;\n    else q <= bank[ra];\n"), "logic"),
+        (buffer(REGISTERED.replace("    end\n", "    end\n    else\n      q <= bank[rb];\n")), "logic"),
         # read without a clock
         (buffer("  assign q = bank[ra];\n"), "logic"),
         # on another clock
