@@ -6,6 +6,7 @@ import json
 import re
 from copy import deepcopy
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +153,7 @@ def test_notes_are_those_that_are_referred_to() -> None:
     assert notes == [str(number) for number in range(1, len(marks) + 1)]
 
 
+structure = cache(figures.structure)
 SMALLEST = Build("robust", "lean", 32, 24)
 
 
@@ -172,6 +174,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         asked.append("clocks")
         return {"clocks_per_frame": 768, "corners": 3, "engine": "none"}
 
+    monkeypatch.setattr(figures, "structure", structure)
     monkeypatch.setattr(figures, "area", area)
     monkeypatch.setattr(figures, "timing", timing)
     monkeypatch.setattr(figures, "clocks", fast_clocks)
@@ -200,8 +203,8 @@ def test_figures_are_measured_once(
     assert counted[9:] == ["area"]
 
 
-def test_two_at_a_time_are_the_same(tmp_path: Path) -> None:
-    # nothing replaced here: processes of their own would not see it, but find what is kept
+def test_two_at_a_time_are_the_same(tmp_path: Path, counted: list[str]) -> None:
+    # the processes do not see what is replaced here, but find what is kept
     chosen = [SMALLEST, Build("paper", "lean", 32, 24)]
     options = {"synthesis": False, "place": False}
     alone = measure(chosen, tmp_path, **options)
@@ -280,7 +283,7 @@ def test_command_measures_what_is_asked_for(
 ) -> None:
     monkeypatch.chdir(tmp_path)
 
-    def measured(chosen: list[Build], cache: Path, *, notify: object, **rest: Any) -> Record:
+    def measured(chosen: list[Build], folder: Path, *, notify: object, **rest: Any) -> Record:
         assert chosen == builds(sizes) and rest == expected
         return {"tools": TOOLS, "builds": [invented(build) for build in chosen]}
 
