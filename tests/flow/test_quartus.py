@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from amaranth.build import Clock, Pins, Resource
 from amaranth.hdl import Elaboratable, Module, Signal
@@ -19,6 +20,7 @@ from amaranth.lib import io, stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 from amaranth.vendor import AlteraPlatform
+from numpy.typing import NDArray
 
 from flow.quartus import (
     DEVICE,
@@ -115,14 +117,24 @@ def test_no_record_depends_on_reading_during_writing(tmp_path: Path, name: str, 
     path.write_text("".join(text for text, _ in changed.values()))
     parameters = profile(name, buffering=buffering, **SMALL)
     engine = make_engine("verilog", Detector(parameters), verilog=path, cache=tmp_path)
-    use = Settings(sigma1=0.01, report_rejected=True)
-    frames = [(photograph("camera")[230:262, 170 : 170 + width], use) for width in (23, 40, 15, 16)]
+    some = Settings(sigma1=0.01, report_rejected=True)
+    every = Settings(sigma1=0.0, floor=1, report_rejected=True)
+    frames = [(photograph("camera")[230:262, 170 : 170 + width], some) for width in (23, 15, 16)]
+    frames += [(squares(*size), every) for size in ((40, 3), (23, 3), (40, 3), (38, 4))]
     model = StreamModel(parameters)
     expected = [model.process(*frame).records for frame in frames]
-    assert sum(map(len, expected)) > 10
-    for stalls in (Stalls(), Stalls(0.4, 0.4, seed=2)):
-        result = simulate_frames(engine, frames, parameters, stalls=stalls)
+    assert sum(map(len, expected)) > 60
+    # the last one makes the reading side of the buffers wait for the records, until the writing side catches up
+    for stalls in (Stalls(), Stalls(0.4, 0.4, seed=2), Stalls(0.0, 0.995, seed=3)):
+        result = simulate_frames(engine, frames, parameters, stalls=stalls, max_clocks=500_000)
         assert summarize(compare(result, expected)) == ""
+
+
+def squares(width: int, side: int) -> NDArray[np.uint8]:
+    """A chequerboard, with noise that makes its corners differ: as many corners as there can be."""
+    y, x = np.mgrid[:32, :width]
+    noise = np.random.default_rng(width).integers(0, 40, x.shape)
+    return ((x // side + y // side) % 2 * 180 + noise).astype(np.uint8)
 
 
 def test_memories_that_need_the_old_data_are_known_and_noise_in_them_is_noticed(tmp_path: Path) -> None:
