@@ -9,12 +9,14 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from amaranth.back import rtlil
 
+from flow.ecp5 import RULES, SCRIPT, relaxed, use_output_registers
 from flow.verilog import MODULE
 from flow.yowasp import ToolError, run, run_yosys
 from golden import Parameters
@@ -26,7 +28,6 @@ SPEEDS = (6, 7, 8)
 AIM_MHZ = 150
 """What placement and routing strive for."""
 
-_MAP = "read_rtlil design.il\nsynth_ecp5 -top {top} -json mapped.json\n"
 # how Yosys names what it made of a signal: the signal, then the cells that were put after one another
 _MADE = re.compile(r"_(?:LUT4|TRELLIS|PFUMX|L6MUX21|CCU2C|DP16KD|\$lut|\$abc).*$")
 _DERIVED = re.compile(r"\$signal|\$\d+|\$$")
@@ -94,8 +95,14 @@ def place_and_route(parameters: Parameters, *, seed: int = 1, speed: int = 6) ->
     with TemporaryDirectory(prefix="cornerstream-") as name:
         folder = Path(name)
         design = rtlil.convert(Detector(parameters), name=MODULE, emit_src=False)
-        (folder / "design.il").write_text(design, encoding="utf-8")
-        run_yosys(_MAP.format(top=MODULE), folder)
+        (folder / "design.il").write_text(relaxed(design), encoding="utf-8")
+        for rule in RULES:
+            (folder / rule).write_text((files("flow") / "ecp5" / rule).read_text("utf-8"), encoding="utf-8")
+        run_yosys(SCRIPT.format(top=MODULE), folder)
+        mapped = folder / "mapped.json"
+        netlist = json.loads(mapped.read_text(encoding="utf-8"))
+        use_output_registers(netlist["modules"][MODULE])
+        mapped.write_text(json.dumps(netlist), encoding="utf-8")
         arguments = [
             *("--45k", "--package", PACKAGE, "--speed", str(speed), "--json", "mapped.json"),
             *("--out-of-context", "--freq", str(AIM_MHZ), "--timing-allow-fail", "--seed", str(seed)),

@@ -74,7 +74,7 @@ def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
     zeros, or have no write port (tables), keep their contents.
     """
     source = rtlil.convert(component, name=name, emit_src=False)
-    source = _MODULE.sub(lambda match: _given_names_first(_without_zeros(match[0])), source)
+    source = _MODULE.sub(lambda match: _given_names_first(match[0]), without_zeros(source))
     script = _SCRIPT.format(rtlil=source, amaranth=_AMARANTH_ATTRIBUTES)
     # always the Yosys that was installed along with Amaranth, whatever else the machine has
     yosys = subprocess.run(
@@ -109,7 +109,12 @@ def plain_names(text: str) -> str:
     return _ESCAPED.sub(lambda match: chosen[match[1]], text)
 
 
-def _without_zeros(module: str) -> str:
+def without_zeros(source: str) -> str:
+    """RTLIL without the zeros that memories with a write port start with."""
+    return _MODULE.sub(lambda match: _module_without_zeros(match[0]), source)
+
+
+def _module_without_zeros(module: str) -> str:
     written = {_memory_name(cell) for cell in _MEMORY_WRITE.findall(module)}
 
     def keep(match: re.Match[str]) -> str:

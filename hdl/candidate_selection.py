@@ -10,7 +10,7 @@ from amaranth.lib.wiring import In, Out
 
 from golden.parameters import COORDINATE_BITS, MARGIN, OFFSET_BITS, Parameters
 from hdl.corner_detection import corner_layout
-from hdl.stream import Beat, fork, join
+from hdl.stream import Beat, Queue
 from hdl.surface import derivatives_layout
 
 PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
@@ -29,29 +29,38 @@ def note_layout(parameters: Parameters) -> data.StructLayout:
     )
 
 
+CANDIDATES = 16
+"""Candidates that can wait for the subpixel refinement."""
+NOTES = 20
+"""Notes of those that wait, and of those inside the refinement."""
+
+
 class CandidateSelection(wiring.Component):
     """Lets pass the window centres that are reported: corners that the texture filter keeps.
 
     Every candidate goes out twice, its surface to the subpixel refinement and a note of the rest to the output
-    constructor. Each frame is closed by one more note, marked ``end``, one clock after its last window.
+    constructor. Each frame is closed by one more note, marked ``end``, one clock after its last window. Both wait
+    in queues, whose filling alone decides whether the blocks before may move: these are always in step with
+    each other.
 
     Members
     -------
     corners
         Stream of ``Beat(corner_layout(parameters))`` from corner detection.
     textures
-        Stream of ``Beat({"textured", "keep"})`` from the texture filter, for the same centres.
+        Stream of ``Beat({"textured", "keep"})`` from the texture filter, for the same centres in the same clocks.
     surfaces
-        Stream of ``derivatives_layout(parameters)`` from the surface fit, for the same centres.
+        Stream of ``derivatives_layout(parameters)`` from the surface fit, likewise.
     candidate
         Stream of ``derivatives_layout(parameters)``.
     note
         Stream of ``note_layout(parameters)``.
     """
 
-    latency = 0
+    latency = Queue.latency
 
     def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
         texture = data.StructLayout({"textured": 1, "keep": 1})
         surface = derivatives_layout(parameters)
         super().__init__(
@@ -66,33 +75,38 @@ class CandidateSelection(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        corner, texture = self.corners.payload.data, self.textures.payload.data
-        centre = stream.Signature(0).create(path=("centre",))
-        join(m, [self.corners, self.textures, self.surfaces], centre)
+        m.submodules.candidates = candidates = Queue(derivatives_layout(self._parameters), CANDIDATES)
+        m.submodules.notes = notes = Queue(note_layout(self._parameters), NOTES)
+        wiring.connect(m, candidates.o, wiring.flipped(self.candidate))
+        wiring.connect(m, notes.o, wiring.flipped(self.note))
 
-        x, y = Signal(PIXEL_COORDINATE_BITS, init=MARGIN), Signal(PIXEL_COORDINATE_BITS, init=MARGIN)
-        ending = Signal()
-        picked = stream.Signature(0).create(path=("picked",))
-        wanted = corner.corner & texture.keep
-        fork(m, picked, [self.candidate, note := stream.Signature(0).create(path=("note",))])
+        room, step, ending = Signal(), Signal(), Signal()
         m.d.comb += [
-            picked.valid.eq(centre.valid & wanted & ~ending),
-            centre.ready.eq((picked.ready | ~wanted) & ~ending),
-            self.candidate.payload.eq(self.surfaces.payload),
-            self.note.valid.eq(note.valid | ending),
-            note.ready.eq(self.note.ready),
-            self.note.payload.x.eq(x),
-            self.note.payload.y.eq(y),
-            self.note.payload.response.eq(corner.response),
-            self.note.payload.textured.eq(texture.textured),
-            self.note.payload.end.eq(ending),
+            room.eq(candidates.room & notes.room),
+            *(source.ready.eq(room) for source in (self.corners, self.textures, self.surfaces)),
+            step.eq(self.corners.valid & room),
         ]
-        with m.If(centre.valid & centre.ready):
+        corner, texture = self.corners.payload.data, self.textures.payload.data
+        x, y = Signal(PIXEL_COORDINATE_BITS, init=MARGIN), Signal(PIXEL_COORDINATE_BITS, init=MARGIN)
+        with m.If(step):
             m.d.sync += x.eq(x + 1)
             with m.If(self.corners.payload.eol):
                 m.d.sync += [x.eq(MARGIN), y.eq(y + 1)]
             with m.If(self.corners.payload.eof):
-                m.d.sync += [y.eq(MARGIN), ending.eq(1)]
-        with m.If(ending & self.note.ready):
-            m.d.sync += ending.eq(0)
+                m.d.sync += y.eq(MARGIN)
+        # the next window is at least a row's first eight columns away: the end never meets a candidate
+        m.d.sync += ending.eq(step & self.corners.payload.eof)
+
+        picked = Signal()
+        m.d.comb += [
+            picked.eq(step & corner.corner & texture.keep),
+            candidates.i.valid.eq(picked),
+            candidates.i.payload.eq(self.surfaces.payload),
+            notes.i.valid.eq(picked | ending),
+            notes.i.payload.x.eq(x),
+            notes.i.payload.y.eq(y),
+            notes.i.payload.response.eq(corner.response),
+            notes.i.payload.textured.eq(texture.textured),
+            notes.i.payload.end.eq(ending),
+        ]
         return m

@@ -11,7 +11,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import WINDOW_SIZE, Parameters
-from hdl.candidate_selection import CandidateSelection, note_layout
+from hdl.candidate_selection import CandidateSelection
 from hdl.centre_rows import CentreRows
 from hdl.circular_buffer import CircularBuffer
 from hdl.convolution import Convolution
@@ -20,17 +20,11 @@ from hdl.frame_control import FrameControl
 from hdl.output_constructor import OutputConstructor, record_layout
 from hdl.preprocessing import PIXEL_ROWS, Preprocessing
 from hdl.response import Response
-from hdl.stream import Queue, SkidBuffer, fork, join
+from hdl.stream import SkidBuffer
 from hdl.subpixel import Subpixel
-from hdl.surface import SurfaceFit, derivatives_layout
+from hdl.surface import SurfaceFit
 from hdl.texture_filter import TextureFilter
 from hdl.thresholds import Thresholds, settings_layout
-
-
-CANDIDATES = 16
-"""Candidates that can wait for the subpixel refinement."""
-NOTES = CANDIDATES + 4
-"""Notes of candidates that wait, and of those inside the refinement."""
 
 
 class Detector(wiring.Component):
@@ -88,9 +82,7 @@ class Detector(wiring.Component):
         self._centre_rows = CentreRows(p)
         self._surface = SurfaceFit(p)
         self._candidates = CandidateSelection(p)
-        self._waiting = Queue(derivatives_layout(p), CANDIDATES)
         self._subpixel = Subpixel(p)
-        self._notes = Queue(note_layout(p), NOTES)
         self._constructor = OutputConstructor(p)
         self._output_skid = SkidBuffer(record_layout())
         settings = {str(name): In(field.shape) for name, field in settings_layout(p)}
@@ -118,7 +110,6 @@ class Detector(wiring.Component):
             "response buffer": self._response_buffer,
             "texture filter": self._texture_filter,
             "candidate selection": self._candidates,
-            "notes": self._notes,
             "output constructor": self._constructor,
             "output skid": self._output_skid,
         }
@@ -171,11 +162,20 @@ class Detector(wiring.Component):
         for name, block in (("centre_rows", centre_rows), ("corner_detection", corners), ("surface", surface)):
             m.submodules[name] = block
         columns, texture = self._response_buffer.o, self._texture_filter
-        fork(m, columns, [centre_rows.i, texture.i])
-        fork(m, centre_rows.o, [corners.i, surface.i])
         limits = self._thresholds.thresholds
-        fork(m, limits, [corners.t1, texture.thresholds])
+        # These four move in step: they are ready whenever the candidate selection is, and equally long.
+        # Thresholds stay until the last window of their frame has left.
         m.d.comb += [
+            # a column waits for its thresholds; a bubble need not, or the first response could never come
+            columns.ready.eq(surface.i.ready & (limits.valid | ~columns.valid)),
+            texture.i.valid.eq(columns.valid),
+            centre_rows.i.valid.eq(columns.valid & limits.valid),
+            centre_rows.o.ready.eq(surface.i.ready),
+            corners.i.valid.eq(centre_rows.o.valid),
+            surface.i.valid.eq(centre_rows.o.valid),
+            corners.t1.valid.eq(limits.valid),
+            texture.thresholds.valid.eq(limits.valid),
+            limits.ready.eq(texture.thresholds.ready),
             centre_rows.i.payload.eq(columns.payload),
             texture.i.payload.eq(columns.payload),
             corners.i.payload.eq(centre_rows.o.payload),
@@ -190,11 +190,9 @@ class Detector(wiring.Component):
     def _record_chain(self, m: Module) -> None:
         """From candidates to records."""
         constructor = self._constructor
-        m.submodules.candidates, m.submodules.subpixel = self._waiting, self._subpixel
-        wiring.connect(m, self._candidates.candidate, self._waiting.i)
-        wiring.connect(m, self._waiting.o, self._subpixel.i)
-        wiring.connect(m, self._candidates.note, self._notes.i)
-        wiring.connect(m, self._notes.o, constructor.note)
+        m.submodules.subpixel = self._subpixel
+        wiring.connect(m, self._candidates.candidate, self._subpixel.i)
+        wiring.connect(m, self._candidates.note, constructor.note)
         wiring.connect(m, self._subpixel.o, constructor.offset)
         wiring.connect(m, self._thresholds.maximum, constructor.maximum)
         wiring.connect(m, constructor.o, self._output_skid.i)

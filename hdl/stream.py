@@ -26,9 +26,10 @@ def Columns(shape: ShapeLike, rows: int) -> data.StructLayout:
 class Pipeline:
     """The registers of one block, which move together.
 
-    They advance whenever the block's output is free: ``advance = ~o.valid | o.ready``. Beats therefore keep
-    moving, and leave, also when no further input comes; an idle input leaves bubbles between them. Data
-    registers have no reset; only the valid bits do.
+    They advance whenever the block's output is ready, and with them whatever is inside, beats and the bubbles
+    that an idle input leaves. So beats leave also when no further input comes, and readiness passes through any
+    number of blocks without any logic. In return ``o.ready`` must not wait for ``o.valid``. Data registers have
+    no reset; only the valid bits do.
 
     A block computes with ``valid``, which says that a beat is offered at ``i`` and may be taken, and takes it
     when ``valid & advance``.
@@ -48,7 +49,7 @@ class Pipeline:
         self.advance = Signal()
         self.valid = Signal(name="offered")
         m.d.comb += [
-            self.advance.eq(~o.valid | o.ready),
+            self.advance.eq(o.ready),
             self.valid.eq(i.valid & permit),
             i.ready.eq(self.advance & permit),
         ]
@@ -129,8 +130,14 @@ class SkidBuffer(wiring.Component):
         return m
 
 
+_MARGIN = 4
+"""Two beats that the level does not know of, and the two that room promises."""
+
+
 class Queue(wiring.Component):
     """First in, first out, in block RAM.
+
+    ``room`` tells a source that cannot wait when to stop in good time.
 
     Parameters
     ----------
@@ -143,13 +150,19 @@ class Queue(wiring.Component):
     -------
     i, o
         Streams of ``shape``.
+    room
+        After the clock in which this falls, two more beats fit. A register.
     """
 
     latency = 2
 
     def __init__(self, shape: ShapeLike, depth: int) -> None:
+        if depth < _MARGIN:
+            raise ValueError(f"depth is {depth}; allowed: whole numbers from {_MARGIN}")
         self._depth = depth
-        super().__init__({"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape))})
+        super().__init__(
+            {"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape)), "room": Out(1, init=1)}
+        )
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -163,6 +176,8 @@ class Queue(wiring.Component):
             self.o.valid.eq(fifo.r_rdy),
             fifo.r_en.eq(self.o.ready),
         ]
+        # what is put in now and in the clock before is not yet counted
+        m.d.sync += self.room.eq(fifo.w_level <= self._depth - _MARGIN)
         return m
 
 
