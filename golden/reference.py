@@ -1,7 +1,7 @@
 """The whole algorithm once more in plain float64, for reading beside the paper.
 
 Nothing is rounded: no integer square root, no rounding after the kernel, no quantised thresholds, a
-surface fit by linear algebra and no table of reciprocals. Only the decisions (maximum, thresholds, clamp)
+surface fit by linear algebra and no mantissas. Only the decisions (maximum, thresholds, clamp)
 are discrete, as in the paper itself. It shares no arithmetic with the bit-exact blocks, so that each can
 show up the other's mistakes.
 
@@ -135,7 +135,7 @@ def peak(coefficients: Map, printed: bool = False) -> tuple[float, float, Flag]:
         return 0.0, 0.0, Flag.NOT_MAXIMUM
     dx = (2 * l1 * (l2 if printed else l3) - l2 * l4) / denominator
     dy = (2 * l0 * l4 - l2 * l3) / denominator
-    flag = Flag.CLAMPED if max(abs(dx), abs(dy)) > 0.5 else Flag(0)
+    flag = Flag.CLAMPED if max(abs(dx), abs(dy)) >= 0.5 else Flag(0)
     return float(np.clip(dx, -0.5, 0.5)), float(np.clip(dy, -0.5, 0.5)), flag
 
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from golden import Parameters, Settings, StreamModel
 from golden.convolution import smooth
 from golden.detector import response_map
-from golden.parameters import Gradient, Patches
+from golden.parameters import Fit, Gradient, Patches
 from golden.preprocessing import gradients, products
+from golden.subpixel import DROPPED_BITS, FITS, MANTISSA_BITS, derivative_bits, derivatives, mantissas
 from golden.texture_filter import texturization
 
 SIDE = 36
@@ -122,3 +123,23 @@ def test_records_of_extreme_images(pixel_bits: int, name: str) -> None:
         assert ((corners.x >= 6.5) & (corners.x <= SIDE - 7.5)).all(), title
         assert ((corners.y >= 6.5) & (corners.y <= SIDE - 7.5)).all(), title
         assert (corners.response > 0).all() and (corners.response <= result.maximum).all(), title
+
+
+@pytest.mark.parametrize("fit", ["nine", "six"])
+@pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
+def test_every_number_of_the_subpixel_refinement_keeps_its_width(pixel_bits: int, fit: Fit) -> None:
+    """Of the responses around any pixel, corner or not, and of random ones at both ends of their range."""
+    parameters = Parameters(pixel_bits=pixel_bits, gradient="signed", fit=fit)
+    patches = [np.random.default_rng(1).integers(0, 2, (5000, 3, 3)) * parameters.response_max]
+    for _, image in extremes(pixel_bits):
+        patches.append(sliding_window_view(response_map(image, parameters), (3, 3)).reshape(-1, 3, 3))
+    values = derivatives(FITS[fit](np.concatenate(patches)))
+    bits = derivative_bits(parameters)
+    assert max(int(np.abs(value).max()) for value in values).bit_length() == bits
+    xx, yy, xy, x, y = cut = mantissas(values, bits)
+    top = 1 << MANTISSA_BITS
+    # a negative one may round down to a whole power of two
+    assert -top <= min(int(value.min()) for value in cut)
+    assert top // 2 <= max(int(value.max()) for value in cut) < top
+    for total in (xx * yy - xy * xy, yy * x + xy * y, xx * y + xy * x):
+        assert int(np.abs(total >> DROPPED_BITS).max()) < 1 << (2 * MANTISSA_BITS + 1 - DROPPED_BITS)

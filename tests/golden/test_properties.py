@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from golden import Corners, Parameters, Settings, StreamModel, detect
 from golden.convolution import smooth
+from golden.corner_detection import corner_detection
 from golden.detector import RESPONSE_MARGIN, response_map
+from golden.output_constructor import Flag
 from golden.preprocessing import gradients, products
+from tests.golden.offsets import bounds
 from tests.strategies import detectors, images
 
 Image = NDArray[np.unsignedinteger[Any]]
@@ -46,12 +50,48 @@ def rows(
     return sorted(zip(*(field.tolist() for field in fields), strict=True))
 
 
+class Found(NamedTuple):
+    """The corners of an image at whole pixels, and each one's limit of the error of its offset."""
+
+    corners: Corners
+    pixels: Corners
+    limits: NDArray[np.float64]
+
+
+def find(image: Image, parameters: Parameters) -> Found:
+    corners = detect(image, parameters, EVERYTHING)
+    responses = response_map(image, parameters)
+    # the outermost rows and columns of the map have no whole window around them
+    y, x = (place + 3 for place in np.nonzero(corner_detection(responses[3:-3, 3:-3], 0, parameters.ties)))
+    pixels = Corners(x + RESPONSE_MARGIN + 1.0, y + RESPONSE_MARGIN + 1.0, corners.response, corners.flags)
+    assert len(pixels.x) == len(corners)
+    patches = sliding_window_view(responses, (3, 3))[y, x]
+    return Found(corners, pixels, bounds(patches, parameters))
+
+
 @given(images(), detectors(ties="strict", fit="nine"), st.sampled_from(sorted(TURNS)))
 def test_turning_the_image_turns_the_corners(image: Image, parameters: Parameters, turn: str) -> None:
+    """Each corner's pixel, response and verdict exactly, its offset as far as mantissas go."""
     turn_image, turn_corners = TURNS[turn]
+    one, other = find(image, parameters), find(turn_image(image), parameters)
+    x, y = turn_corners(one.pixels, *image.shape)
+    by_place, by_turned_place = np.lexsort((other.pixels.x, other.pixels.y)), np.lexsort((x, y))
+    assert np.array_equal(other.pixels.x[by_place], x[by_turned_place])
+    assert np.array_equal(other.pixels.y[by_place], y[by_turned_place])
+    textured = [found.corners.flags & Flag.TEXTURED for found in (one, other)]
+    assert np.array_equal(textured[1][by_place], textured[0][by_turned_place])
+    assert np.array_equal(other.corners.response[by_place], one.corners.response[by_turned_place])
+    x, y = turn_corners(one.corners, *image.shape)
+    apart = other.limits[by_place] + one.limits[by_turned_place]
+    assert (np.abs(other.corners.x[by_place] - x[by_turned_place]) <= apart).all()
+    assert (np.abs(other.corners.y[by_place] - y[by_turned_place]) <= apart).all()
+
+
+@given(images(), detectors(ties="strict", fit="nine"))
+def test_exchanging_x_and_y_exchanges_them_in_the_records(image: Image, parameters: Parameters) -> None:
     corners = detect(image, parameters, EVERYTHING)
-    turned = detect(turn_image(image), parameters, EVERYTHING)
-    assert rows(turned) == rows(corners, *turn_corners(corners, *image.shape))
+    turned = detect(image.T, parameters, EVERYTHING)
+    assert rows(turned) == rows(corners, corners.y, corners.x)
 
 
 @given(images(), detectors(), st.sampled_from(sorted(TURNS)))
