@@ -84,7 +84,6 @@ class Detector(wiring.Component):
         self._candidates = CandidateSelection(p)
         self._subpixel = Subpixel(p)
         self._constructor = OutputConstructor(p)
-        self._output_skid = SkidBuffer(record_layout())
         settings = {str(name): In(field.shape) for name, field in settings_layout(p)}
         super().__init__(
             {
@@ -111,7 +110,6 @@ class Detector(wiring.Component):
             "texture filter": self._texture_filter,
             "candidate selection": self._candidates,
             "output constructor": self._constructor,
-            "output skid": self._output_skid,
         }
 
     @property
@@ -195,5 +193,4 @@ class Detector(wiring.Component):
         wiring.connect(m, self._candidates.note, constructor.note)
         wiring.connect(m, self._subpixel.o, constructor.offset)
         wiring.connect(m, self._thresholds.maximum, constructor.maximum)
-        wiring.connect(m, constructor.o, self._output_skid.i)
-        wiring.connect(m, self._output_skid.o, wiring.flipped(self.o))
+        wiring.connect(m, constructor.o, wiring.flipped(self.o))

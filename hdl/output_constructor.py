@@ -11,7 +11,6 @@ from amaranth.lib.wiring import In, Out
 from golden.output_constructor import COUNT_BITS, END_OF_FRAME, FRAME_BITS, RECORD_BITS, RESPONSE_FIELD_BITS
 from golden.parameters import COORDINATE_BITS, OFFSET_BITS, Parameters
 from hdl.candidate_selection import note_layout
-from hdl.stream import Pipeline
 from hdl.subpixel import offset_layout
 
 
@@ -21,7 +20,7 @@ def record_layout() -> data.StructLayout:
 
 
 class OutputConstructor(wiring.Component):
-    """Adds each candidate's offset to its place, and counts.
+    """Adds each candidate's offset to its place, and counts. All of ``o`` but its ready comes from registers.
 
     Members
     -------
@@ -51,11 +50,11 @@ class OutputConstructor(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         note, offset = self.note.payload, self.offset.payload
-        complete = stream.Signature(0).create(path=("complete",))
-        pipe = Pipeline(m, complete, self.o)
-        step = pipe.valid & pipe.advance
+        step, free = Signal(), Signal()
+        complete = self.note.valid & Mux(note.end, self.maximum.valid, self.offset.valid)
         m.d.comb += [
-            complete.valid.eq(self.note.valid & Mux(note.end, self.maximum.valid, self.offset.valid)),
+            free.eq(~self.o.valid | self.o.ready),
+            step.eq(complete & free),
             self.note.ready.eq(step),
             self.offset.ready.eq(step & ~note.end),
             self.maximum.ready.eq(step & note.end),
@@ -72,9 +71,8 @@ class OutputConstructor(wiring.Component):
         unused = C(0, RESPONSE_FIELD_BITS - self._parameters.response_bits)
         corner = Cat(x, y, note.response, unused, offset.clamped, offset.not_maximum, note.textured)
         end = Cat(count, frame, self.maximum.payload, unused, C(END_OF_FRAME, 3))
-        m.d.comb += [
-            self.o.valid.eq(pipe.register(pipe.valid, "valid", reset=True)),
-            self.o.payload.record.eq(pipe.register(Mux(note.end, end, corner), "record")),
-            self.o.payload.last.eq(pipe.register(note.end, "last")),
-        ]
+        with m.If(free):
+            m.d.sync += self.o.valid.eq(complete)
+        with m.If(step):
+            m.d.sync += [self.o.payload.record.eq(Mux(note.end, end, corner)), self.o.payload.last.eq(note.end)]
         return m

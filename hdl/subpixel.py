@@ -55,7 +55,7 @@ class Subpixel(wiring.Component):
     @property
     def interval(self) -> int:
         """Clocks from one candidate to the next."""
-        return 1 + max(self._shifts, MANTISSA_BITS + 1, QUOTIENT_BITS)
+        return 1 + max(self._shifts, MANTISSA_BITS + 2, QUOTIENT_BITS)
 
     @property
     def latency(self) -> int:
@@ -120,7 +120,11 @@ class Subpixel(wiring.Component):
             m.d.sync += [signal.eq(signal >> 1) for signal in scanned.values()]
 
         active, sign = Signal(), Signal()
-        m.d.comb += [active.eq(phase <= MANTISSA_BITS), sign.eq(phase == MANTISSA_BITS)]
+        # what a bit adds is a register, taken in a clock later
+        m.d.comb += [
+            sign.eq(phase == MANTISSA_BITS),
+            active.eq((phase != 0) & (phase <= MANTISSA_BITS + 1)),
+        ]
         inverted_sign = Signal()
         m.d.comb += inverted_sign.eq(~sign)
         results = {}
@@ -136,7 +140,8 @@ class Subpixel(wiring.Component):
             added = kept[factor].as_unsigned() & scanned[first][0].replicate(MANTISSA_BITS + 1)
             other = kept[second].as_unsigned() & scanned["xy"][0].replicate(MANTISSA_BITS + 1)
             other ^= subtract.replicate(MANTISSA_BITS + 1)
-            both = add_with_carry(added.as_signed(), other.as_signed(), subtract)
+            both = Signal(signed(MANTISSA_BITS + 2), name=f"{name}_both", reset_less=True)
+            m.d.sync += both.eq(add_with_carry(added.as_signed(), other.as_signed(), subtract))
             partial = (high + both)[: MANTISSA_BITS + 4]
             with m.If(move):
                 m.d.sync += high.eq(0)

@@ -53,7 +53,7 @@ class Thresholds(wiring.Component):
         Stream of ``Beat(unsigned(response_bits))``, passed through in the same clock. A first beat waits for
         settings, and until the previous frame's thresholds have been taken; a last one, until its maximum can be.
     settings
-        Stream of ``settings_layout(parameters)``, one per frame.
+        Stream of ``settings_layout(parameters)``, one per frame; taken when the multiplication starts.
     thresholds
         Stream of ``thresholds_layout(parameters)``, one per frame; take it when the frame is done with.
     maximum
@@ -95,7 +95,6 @@ class Thresholds(wiring.Component):
             self.o.valid.eq(self.i.valid & pass_on),
             self.i.ready.eq(self.o.ready & pass_on),
             step.eq(self.o.valid & self.o.ready),
-            self.settings.ready.eq(step & first),
         ]
 
         # largest response so far, and of the previous frame
@@ -121,7 +120,8 @@ class Thresholds(wiring.Component):
         self, m: Module, *, start: Any, busy: Signal, previous: Signal, any_previous: Signal
     ) -> None:
         bits = self._parameters.response_bits
-        settings = Signal(settings_layout(self._parameters))
+        # they stay until the multiplication starts
+        settings, report_rejected = self.settings.payload, Signal()
         scaled_bits = bits + (self._parameters.pixels_per_region - 1).bit_length()
         reference, scaled = Signal(bits), Signal(scaled_bits)
         chosen, referred, multiplying = Signal(), Signal(), Signal()
@@ -133,11 +133,10 @@ class Thresholds(wiring.Component):
         with m.If(self.thresholds.ready):
             m.d.sync += self.thresholds.valid.eq(0)
         m.d.sync += [chosen.eq(start), referred.eq(chosen)]
+        m.d.comb += self.settings.ready.eq(referred)
         with m.If(start):
-            candidate = Mux(
-                self.settings.payload.use_constant | ~any_previous, self.settings.payload.constant, previous
-            )
-            m.d.sync += [settings.eq(self.settings.payload), reference.eq(candidate), busy.eq(1)]
+            candidate = Mux(settings.use_constant | ~any_previous, settings.constant, previous)
+            m.d.sync += [reference.eq(candidate), busy.eq(1)]
         with m.If(chosen & (reference < settings.floor)):
             m.d.sync += reference.eq(settings.floor)
         with m.If(referred):
@@ -147,6 +146,7 @@ class Thresholds(wiring.Component):
                 ),
                 product1.eq(settings.sigma1),
                 product2.eq(settings.sigma2),
+                report_rejected.eq(settings.report_rejected),
                 count.eq(0),
                 multiplying.eq(1),
             ]
@@ -160,5 +160,5 @@ class Thresholds(wiring.Component):
         m.d.comb += [
             t1.eq(product1[SIGMA_BITS:]),
             t2.eq(product2[SIGMA_BITS:]),
-            self.thresholds.payload.report_rejected.eq(settings.report_rejected),
+            self.thresholds.payload.report_rejected.eq(report_rejected),
         ]
