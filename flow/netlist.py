@@ -18,8 +18,6 @@ Bit = int | str
 """A net by number, or a constant as text: "0", "1" or "x"."""
 Values = dict[int, int]
 """Values of nets."""
-Function = Callable[[Values, int], int]
-"""Of the values of some nets and of the carry in."""
 
 
 class Cell:
@@ -47,11 +45,6 @@ class Cell:
     def __setitem__(self, port: str, bit: Bit) -> None:
         self.json["connections"][port] = [bit]
 
-    def copy(self) -> Cell:
-        """The cell as it is now, whatever changes later."""
-        parts = ("parameters", "connections", "port_directions")
-        return Cell(self.name, {**self.json, **{part: dict(self.json[part]) for part in parts}})
-
     def parameter(self, name: str) -> str:
         return self.json["parameters"][name].rstrip()
 
@@ -76,16 +69,10 @@ class Cell:
     def reads_carry(self) -> bool:
         return isinstance(self["cin"], int)
 
-    def output(self, values: Values, *, carry_in: int = 0) -> int:
-        """Combinational output of a table, for values of the nets at its data inputs."""
+    def output(self, values: Values) -> int:
+        """Output of a table in normal mode, for values of the nets at its data inputs."""
         a, b, c, d = (values[bit] if isinstance(bit, int) else int(bit == "1") for bit in self.data)
-        c = carry_in if self.parameter("sum_lutc_input") == "cin" else c
         return self.mask >> (a | b << 1 | c << 2 | d << 3) & 1
-
-    def carry(self, values: Values, carry_in: int) -> int:
-        """Carry out of a table."""
-        a, b = (values[bit] if isinstance(bit, int) else int(bit == "1") for bit in self.data[:2])
-        return self.mask >> (a | b << 1 | carry_in << 2) & 1
 
 
 class Module:
@@ -199,21 +186,17 @@ class Module:
             },
         }
         cell = Cell(name, json)
-        cell.set_mask(mask_of(nets, lambda values, _: function(values)))
+        cell.set_mask(mask_of(nets, function))
         self.json["cells"][name] = json
         self.cells[name] = cell
         self._connect(cell)
         return output
 
 
-def mask_of(nets: list[int], function: Function, *, carry_at_c: bool = False) -> int:
-    """Mask of a table of up to four nets, or of three where input c is the carry in."""
-    places = [0, 1, 3] if carry_at_c else [0, 1, 2, 3]
-    mask = 0
-    for index in range(16):
-        values = {net: index >> place & 1 for net, place in zip(nets, places, strict=False)}
-        mask |= function(values, index >> 2 & 1) << index
-    return mask
+def mask_of(nets: list[int], function: Callable[[Values], int]) -> int:
+    """Mask of a table of up to four nets, the first one at input a."""
+    values = ({net: index >> place & 1 for place, net in enumerate(nets)} for index in range(16))
+    return sum(function(value) << index for index, value in enumerate(values))
 
 
 def assignments(nets: list[int]) -> Iterator[Values]:

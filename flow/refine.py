@@ -3,10 +3,7 @@
 Each rule takes away cells and changes no behaviour:
 
 - the output registers of block RAM take the flip-flops behind it;
-- a cell of a carry chain takes the table before it, where both together read at most two nets;
-- the cell that puts a carry on a chain and the chain's first one become one, likewise;
-- the last cell of a chain, which makes no carry, and the table before or behind it become one of three data inputs
-  and the carry in;
+- tables and cells of carry chains become one, see :mod:`flow.packing`;
 - a synchronous clear or load takes the multiplexer before a flip-flop, so that it shares a logic element with
   what lies before that. Both are signals of a whole LAB, so there must be several flip-flops of a kind.
 """
@@ -15,21 +12,9 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
-from itertools import combinations
 
-from flow.netlist import (
-    FLIP_FLOP,
-    LUT,
-    MEMORY,
-    Bit,
-    Cell,
-    Function,
-    Json,
-    Module,
-    Values,
-    assignments,
-    mask_of,
-)
+from flow.netlist import FLIP_FLOP, LUT, MEMORY, Bit, Cell, Json, Module, Values, assignments
+from flow.packing import pack
 
 LEAST_TOGETHER = 4
 """Flip-flops with a clear or load in common that are worth one of a LAB's control signals."""
@@ -40,12 +25,9 @@ def refine(netlist: Json) -> None:
     for json in netlist["modules"].values():
         if not json["cells"]:
             continue
+        pack(json)
         module = Module(json)
         _registers_into_memory(module)
-        changed = True
-        while changed:
-            changed = any([_before_chain(module), _start_of_chain(module), _end_of_chain(module)])
-            module.drop_unused()
         while _synchronous_control(module):
             pass
         module.drop_unused()
@@ -95,140 +77,6 @@ def _registers_behind(module: Module, memory: Cell, port: str) -> None:
             bit if register is None else register["q"]
             for bit, register in zip(outputs, registers, strict=True)
         ]
-
-
-# -- carry chains
-
-
-def _value(cell: Cell, behind: dict[int, Cell], values: Values) -> Values:
-    """Values at a cell's inputs, where some of them come from tables whose inputs have the given values."""
-    return {net: behind[net].output(values) if net in behind else values[net] for net in cell.nets}
-
-
-def _is_chain(module: Module, cell: Cell) -> bool:
-    return cell.reads_carry or module.makes_carry(cell)
-
-
-def _set_function(
-    module: Module,
-    cell: Cell,
-    nets: list[int],
-    total: Function,
-    onward: Function | None,
-) -> None:
-    """Let a cell of a chain read these nets; ``onward`` is its carry out, None if it makes none."""
-    padded: list[Bit] = [*nets, *["1"] * (3 - len(nets))]
-    with module.changing(cell):
-        cell["dataa"], cell["datab"], cell["datac"], cell["datad"] = (
-            padded[0],
-            padded[1],
-            "1",
-            padded[2],
-        )
-    mask = mask_of(nets, total, carry_at_c=True)
-    if onward is not None:
-        mask = (mask & 0xFF00) | (mask_of(nets, onward, carry_at_c=True) & 0x00FF)
-    cell.set_mask(mask)
-
-
-def _before_chain(module: Module) -> bool:
-    changed = False
-    for cell in module.of_kind(LUT):
-        if _is_chain(module, cell):
-            changed |= _take_tables(module, cell, 2 if module.makes_carry(cell) else 3)
-    return changed
-
-
-def _take_tables(module: Module, cell: Cell, most: int) -> bool:
-    tables = {}
-    for net in cell.nets:
-        table = module.table_behind(net)
-        if table is not None and (len(table.nets) == 1 or {c for c, _ in module.readers[net]} == {cell}):
-            tables[net] = table
-    for count in range(len(tables), 0, -1):
-        for chosen in combinations(tables, count):
-            nets = cell.nets - set(chosen)
-            for net in chosen:
-                nets |= tables[net].nets
-            if len(nets) <= most:
-                _take(module, cell, sorted(nets), {net: tables[net] for net in chosen})
-                return True
-    return False
-
-
-def _take(module: Module, cell: Cell, nets: list[int], behind: dict[int, Cell]) -> None:
-    old = cell.copy()
-
-    def total(values: Values, carry: int) -> int:
-        return old.output(_value(old, behind, values), carry_in=carry)
-
-    def onward(values: Values, carry: int) -> int:
-        return old.carry(_value(old, behind, values), carry)
-
-    _set_function(module, cell, nets, total, onward if module.makes_carry(cell) else None)
-
-
-def _start_of_chain(module: Module) -> bool:
-    changed = False
-    for first in module.of_kind(LUT):
-        if first.reads_carry or not module.makes_carry(first):
-            continue
-        total = first["combout"]
-        following = module.only_reader(first["cout"])
-        if following is None or (isinstance(total, int) and module.readers[total]):
-            continue
-        nets = sorted(first.nets | following[0].nets)
-        if len(nets) <= 2:
-            _join_start(module, first, following[0], nets)
-            changed = True
-    return changed
-
-
-def _join_start(module: Module, first: Cell, second: Cell, nets: list[int]) -> None:
-    old = second.copy()
-
-    def total(values: Values, _: int) -> int:
-        return old.output(values, carry_in=first.carry(values, 0))
-
-    def onward(values: Values, _: int) -> int:
-        return old.carry(values, first.carry(values, 0))
-
-    module.remove(first)
-    with module.changing(second):
-        del second.json["connections"]["cin"]
-        second.json["parameters"]["sum_lutc_input"] = "datac"
-    _set_function(module, second, nets, total, onward if module.makes_carry(second) else None)
-
-
-def _end_of_chain(module: Module) -> bool:
-    changed = False
-    for cell in module.of_kind(LUT):
-        output = cell["combout"]
-        if not cell.reads_carry or module.makes_carry(cell) or not isinstance(output, int):
-            continue
-        reader = module.only_reader(output)
-        if reader is None or reader[0].kind != LUT:
-            continue
-        table = reader[0]
-        nets = sorted(cell.nets | (table.nets - {output}))
-        if not _is_chain(module, table) and len(nets) <= 3:
-            _join_end(module, cell, output, table, nets)
-            changed = True
-    return changed
-
-
-def _join_end(module: Module, last: Cell, output: int, table: Cell, nets: list[int]) -> None:
-    old = table.copy()
-
-    def total(values: Values, carry: int) -> int:
-        return old.output({**values, output: last.output(values, carry_in=carry)})
-
-    module.remove(last)
-    with module.changing(table):
-        table["cin"] = last["cin"]
-        table.json["port_directions"]["cin"] = "input"
-        table.json["parameters"]["sum_lutc_input"] = "cin"
-    _set_function(module, table, nets, total, None)
 
 
 # -- clear and load
