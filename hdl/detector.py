@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 from amaranth.hdl import Module, unsigned
-from amaranth.lib import data, stream, wiring
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import WINDOW_SIZE, Parameters
@@ -97,7 +97,7 @@ class Detector(wiring.Component):
 
     @property
     def blocks(self) -> dict[str, Any]:
-        """Every block on the way of a frame's last pixel to its end-of-frame record, by name: each has its ``latency``."""
+        """Every block on the way of a frame's last pixel to its end-of-frame record, by name, with a ``latency``."""
         return {
             "frame control": self._frame_control,
             "pixel buffer": self._pixel_buffer,
@@ -114,7 +114,7 @@ class Detector(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Clocks from a frame's last pixel to its end-of-frame record, ``lean``, unstalled, with no corner in the way.
+        """Clocks from a frame's last pixel to its end-of-frame record, ``lean``, unstalled, no corner in the way.
 
         Corners near the frame's end go first: up to ``subpixel.interval`` clocks for each that waits. With
         ``banked`` buffers the time to read out the last row comes on top: see :meth:`frame_latency`.
@@ -127,7 +127,7 @@ class Detector(wiring.Component):
         if self._parameters.buffering == "lean":
             return self.latency
         # each buffer starts reading a row when its last value is in, and ends one row's length later
-        return self.latency + (width - 1) + (width - 3) + (width - 7)
+        return self.latency + (width - 1) + (width - 7)
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -157,7 +157,11 @@ class Detector(wiring.Component):
     def _window_chain(self, m: Module) -> None:
         """From responses to candidates."""
         centre_rows, corners, surface = self._centre_rows, self._corner_detection, self._surface
-        for name, block in (("centre_rows", centre_rows), ("corner_detection", corners), ("surface", surface)):
+        for name, block in (
+            ("centre_rows", centre_rows),
+            ("corner_detection", corners),
+            ("surface", surface),
+        ):
             m.submodules[name] = block
         columns, texture = self._response_buffer.o, self._texture_filter
         limits = self._thresholds.thresholds

@@ -40,6 +40,7 @@ class Subpixel(wiring.Component):
     """
 
     def __init__(self, parameters: Parameters) -> None:
+        layout = derivatives_layout(parameters)
         self._formats = FORMATS[parameters.fit]
         self._shifts = max(derivative_bits(parameters) - MANTISSA_BITS, 0)
         # sums of two products, each below 2**(2·MANTISSA_BITS)
@@ -47,7 +48,7 @@ class Subpixel(wiring.Component):
         self._dividers = {axis: Divider(self._quotient_bits) for axis in "xy"}
         super().__init__(
             {
-                "i": In(stream.Signature(derivatives_layout(parameters))),
+                "i": In(stream.Signature(layout)),
                 "o": Out(stream.Signature(offset_layout())),
             }
         )

@@ -1,4 +1,4 @@
-"""Surface fit (Sec. 3.4, Eq. 10): the derivatives of a quadratic surface through the 3x3 responses around every pixel."""
+"""Surface fit (Sec. 3.4, Eq. 10): derivatives of a quadratic surface through the 3x3 responses of every pixel."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hdl.stream import Columns, Pipeline, WindowCounter
 
 
 class Format(NamedTuple):
-    """How the hardware holds one derivative: without ``zeros`` low bits, ``largest`` bounding the rest per response."""
+    """How hardware holds a derivative: without ``zeros`` low bits, the rest at most ``largest`` full responses."""
 
     zeros: int
     largest: int

@@ -183,10 +183,17 @@ def run(
     stalls: Stalls = NO_STALLS,
     *,
     levels: list[tuple[int, dict[str, int]]] | None = None,
+    clocks: int = 1,
 ) -> Capture:
-    """Run and compare every output stream with what is expected, beat by beat, and that all inputs were taken."""
-    quiet = 20 * int(1 / ((1 - stalls.inputs) * (1 - stalls.outputs))) + 200
-    capture = runner.run(Stimulus(inputs, levels or [], stalls), quiet=quiet)
+    """Run and compare every output stream with what is expected, beat by beat, and that all inputs were taken.
+
+    ``clocks``: how many the block needs for a beat.
+    """
+    slowness = int(1 / ((1 - stalls.inputs) * (1 - stalls.outputs)))
+    quiet = 20 * slowness + 200
+    longest = max(len(words) for words in inputs.values())
+    most = 8 * clocks * longest * slowness + 10 * quiet + 100_000
+    capture = runner.run(Stimulus(inputs, levels or [], stalls), quiet=quiet, max_clocks=most)
     assert set(capture.outputs) == set(expected)
     for name, words in expected.items():
         same(name, capture.outputs[name], words)

@@ -1,17 +1,16 @@
 # amaranth: UnusedElaboratable=no
-"""Corner detection: strict maxima above T1, both tie rules, and the patch that goes along."""
+"""Corner detection: strict maxima above T1, both tie rules, and the response that goes along."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.lib.stride_tricks import sliding_window_view
 
 from golden.corner_detection import corner_detection
 from golden.parameters import Parameters, Ties
 from hdl.corner_detection import CornerDetection
-from sim.engine import EngineName
-from sim.stimulus import Capture, Stalls
+from sim.engine import EngineName, SimulationHang
+from sim.stimulus import Capture, Stalls, Stimulus
 from tests.hdl.blocks import (
     ENGINES,
     NO_STALLS,
@@ -41,23 +40,21 @@ def check(
     stalls: Stalls = NO_STALLS,
     pixel_bits: int = 8,
 ) -> Capture:
-    """Frames of responses, of which each three rows are taken as the middle ones of a window."""
+    """Frames of responses, three rows and columns or more."""
     parameters = Parameters(ties=ties, pixel_bits=pixel_bits)
     block = CornerDetection(parameters)
-    # the centres lie four columns inside
-    inner = [frame[:, 3:-3] for frame in frames]
-    patches = raster([sliding_window_view(frame, (3, 3)) for frame in inner])
-    corners = raster([corner_detection(f, limit, ties) for f, limit in zip(inner, t1, strict=True)])
-    patches["data"] = {"corner": corners["data"], "patch": patches["data"]}
+    expected = raster([corner_detection(f, limit, ties) for f, limit in zip(frames, t1, strict=True)])
+    responses = raster([frame[1:-1, 1:-1] for frame in frames])
+    expected["data"] = {"corner": expected["data"], "response": responses["data"]}
     capture = run(
         engine(name, CornerDetection, parameters),
         {"i": pack(block.i.payload.shape(), columns(frames, 3)), "t1": np.array(t1, np.uint64)},
-        {"o": pack(block.o.payload.shape(), patches)},
+        {"o": pack(block.o.payload.shape(), expected)},
         stalls,
     )
     if stalls == NO_STALLS:
         sizes = [(len(frame) - 2, frame.shape[1]) for frame in frames]
-        assert_timing(capture, CornerDetection.latency, completing(sizes, 9))
+        assert_timing(capture, CornerDetection.latency, completing(sizes, 3))
         # T1 goes with the frame's last column
         ends = np.cumsum([height * width for height, width in sizes]) - 1
         assert np.array_equal(capture.input_clocks["t1"], capture.input_clocks["i"][ends])
@@ -68,17 +65,17 @@ def check(
 @pytest.mark.parametrize("ties", TIES)
 def test_noise(ties: Ties, name: EngineName, stalls: Stalls) -> None:
     """Few values give ties in plenty; T1 cuts through them and changes from frame to frame."""
-    sizes = [(20, 30), (3, 9), (12, 9), (3, 40)]
-    sizes = sizes if name == "compiled" else [(3, 9), (5, 13), (4, 9)]
+    sizes = [(20, 30), (3, 3), (12, 9), (3, 40), (9, 4)]
+    sizes = sizes if name == "compiled" else [(3, 3), (5, 13), (4, 5)]
     frames, t1 = [], []
     for seed, largest in enumerate((FULL, 2, 5, 1)):
         frames += noise(sizes, largest, seed)
-        t1 += [0, largest // 2, 0, largest - 1][: len(sizes)]
+        t1 += [0, largest // 2, 0, largest - 1, largest][: len(sizes)]
     check(ties, frames, t1, name, stalls)
 
 
 @pytest.mark.parametrize("ties", TIES)
-@pytest.mark.parametrize("pixel_bits", [8, 10])
+@pytest.mark.parametrize("pixel_bits", [4, 8, 10])
 def test_extremes(ties: Ties, pixel_bits: int) -> None:
     full = Parameters(pixel_bits=pixel_bits).response_max
     frames = extremes((10, 20), full) + extremes((7, 11), full, full - 1)
@@ -95,15 +92,31 @@ def test_each_neighbour(ties: Ties, name: EngineName) -> None:
         for neighbour, limit in ((9, 9), (10, 9), (11, 9), (9, 10)):
             patch = np.zeros(9, np.int64)
             patch[4], patch[place] = 10, neighbour
-            frame = np.zeros((3, 9), np.int64)
-            frame[:, 3:6] = patch.reshape(3, 3)
-            frames.append(frame)
+            frames.append(patch.reshape(3, 3))
             t1.append(limit)
             later_tie = neighbour == 10 and place > 4 and ties == "first"
             expected.append(limit == 9 and (neighbour == 9 or later_tie))
     capture = check(ties, frames, t1, name)
-    assert (capture.outputs["o"][:, 0] & np.uint64(1)).tolist() == expected
+    assert (capture.outputs["o"] & np.uint64(1)).tolist() == expected
+
+
+@pytest.mark.parametrize("ties", TIES)
+def test_every_pattern_of_ties(ties: Ties) -> None:
+    """The centre against eight neighbours, each one less, equal, or one more, at both ends of the range."""
+    steps = np.array(np.unravel_index(np.arange(3**8), (3,) * 8)).T - 1
+    for centre in (1, FULL - 1):
+        patches = np.insert(centre + steps, 4, centre, axis=1).reshape(-1, 3, 3)
+        check(ties, list(patches), [centre - 1] * len(patches))
+
+
+def test_a_frame_waits_for_its_threshold() -> None:
+    """Without T1 no column is taken."""
+    block = CornerDetection(Parameters())
+    runner = engine("compiled", CornerDetection, Parameters())
+    given = pack(block.i.payload.shape(), columns(noise([(4, 5), (3, 6)], FULL), 3))
+    with pytest.raises(SimulationHang, match=r"i 10 of 16 in, t1 1 of 1 in, .*o 6 out"):
+        runner.run(Stimulus({"i": given, "t1": np.array([7], np.uint64)}), max_clocks=200)
 
 
 def test_latency() -> None:
-    assert CornerDetection.latency == 1
+    assert CornerDetection.latency == 3

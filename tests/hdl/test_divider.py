@@ -1,25 +1,62 @@
 # amaranth: UnusedElaboratable=no
-"""LUT divider: every table entry with every dividend, wide operands, clamping, and the stated error."""
+"""Divider: every pair of narrow operands, wide ones around every step of the result, and clocks between the bits."""
 
 from __future__ import annotations
 
-from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
+from amaranth.hdl import Module, Signal
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
 from numpy.typing import NDArray
 
-from golden.divider import HALF, INDEX_BITS, NUMERATOR_BITS, divide, worst_error
+from golden.divider import HALF, QUOTIENT_BITS, divide
 from hdl.divider import Divider
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.hdl.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run
+from tests.hdl.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run, unpack
 
-ASIDE = 3
-NARROWEST = NUMERATOR_BITS + 1
-WIDTHS = [NARROWEST, 20, 40, 51]
+USED = 17
+"""Width in the subpixel refinement."""
+WIDTHS = [1, 2, 5, 8, USED, 24]
+RESULT = data.StructLayout({"quotient": QUOTIENT_BITS, "reached": 1})
 
 Int64 = NDArray[np.int64]
+
+
+class Dividing(wiring.Component):
+    """The divider as a stream: one quotient after the other, a bit in every clock that the sink is ready."""
+
+    latency = QUOTIENT_BITS + 1
+
+    def __init__(self, bits: int) -> None:
+        self._divider = Divider(bits)
+        operands = data.StructLayout({"numerator": bits, "denominator": bits})
+        super().__init__({"i": In(stream.Signature(operands)), "o": Out(stream.Signature(RESULT))})
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.divider = divider = self._divider
+        denominator = Signal.like(divider.denominator)
+        left = Signal(range(QUOTIENT_BITS + 1))
+        m.d.comb += [
+            self.i.ready.eq(~self.o.valid & (left == 0) | self.o.valid & self.o.ready),
+            divider.load.eq(self.i.valid & self.i.ready),
+            divider.enable.eq((left != 0) & self.o.ready),
+            divider.numerator.eq(self.i.payload.numerator),
+            divider.denominator.eq(denominator),
+            self.o.payload.quotient.eq(divider.quotient),
+            self.o.payload.reached.eq(divider.reached),
+        ]
+        with m.If(self.o.ready):
+            m.d.sync += self.o.valid.eq(left == 1)
+        with m.If(divider.load):
+            m.d.sync += [denominator.eq(self.i.payload.denominator), left.eq(QUOTIENT_BITS)]
+        with m.Elif(divider.enable):
+            m.d.sync += left.eq(left - 1)
+        return m
 
 
 def check(
@@ -29,104 +66,77 @@ def check(
     name: EngineName = "compiled",
     stalls: Stalls = NO_STALLS,
 ) -> Capture:
-    block = Divider(bits, ASIDE)
-    clamped = 2 * numerator > denominator
-    quotient = np.where(clamped, HALF, divide(np.where(clamped, 0, numerator), denominator))
-    aside = np.arange(len(numerator)) % (1 << ASIDE)
-    given = {"numerator": numerator, "denominator": denominator, "aside": aside}
-    expected = {"quotient": quotient, "clamped": clamped, "aside": aside}
+    quotient = np.minimum((numerator << QUOTIENT_BITS) // denominator, 2 * HALF)
+    # what the golden model makes of it
+    assert np.array_equal((quotient + 1) >> 1, divide(numerator, denominator))
+    block = Dividing(bits)
+    given = {"numerator": numerator, "denominator": denominator}
+    expected = {"quotient": quotient, "reached": 2 * numerator >= denominator}
     capture = run(
-        engine(name, Divider, bits, ASIDE),
+        engine(name, Dividing, bits),
         {"i": pack(block.i.payload.shape(), given)},
-        {"o": pack(block.o.payload.shape(), expected)},
+        {"o": pack(RESULT, expected)},
         stalls,
+        clocks=Dividing.latency,
     )
     if stalls == NO_STALLS:
-        assert_timing(capture, block.latency)
+        assert_timing(capture, Dividing.latency, clocks=Dividing.latency)
     return capture
 
 
 def operands(bits: int, count: int, seed: int = 0) -> tuple[Int64, Int64]:
-    """Divisors of every length; dividends below, at, just above and far above their half."""
+    """Divisors of every length; dividends below, around and far above their half, and around every step."""
     rng = np.random.default_rng([bits, seed])
     length = rng.integers(1, bits + 1, count)
     denominator = (1 << (length - 1)) + rng.integers(0, 1 << (length - 1))
     below = rng.integers(0, denominator // 2 + 1)
-    kind = np.arange(count) % 8
-    numerator = np.select(
-        [kind == 0, kind == 1, kind == 2, kind == 3, kind == 4],
-        [
-            0 * below,
-            denominator // 2,
-            denominator // 2 + 1,
-            denominator,
-            rng.integers(0, 1 << bits, count),
-        ],
-        below,
-    )
-    return np.minimum(numerator, (1 << bits) - 1), denominator
+    step = -(-rng.integers(0, 2 * HALF + 1, count) * denominator // (4 * HALF))
+    kind = np.arange(count) % 10
+    choices = [
+        0 * below,
+        denominator // 2,
+        denominator // 2 + 1,
+        denominator,
+        rng.integers(0, 1 << bits, count),
+    ]
+    choices += [step - 1, step, step + 1]
+    numerator = np.select([kind == k for k in range(len(choices))], choices, below)
+    return np.clip(numerator, 0, (1 << bits) - 1), denominator
 
 
 @pytest.mark.parametrize("bits", WIDTHS)
 def test_operands_of_every_length(bits: int) -> None:
-    numerator, denominator = operands(bits, 100_000)
+    numerator, denominator = operands(bits, 30_000)
     check(bits, numerator, denominator)
 
 
-def test_every_table_entry_with_every_dividend() -> None:
-    """All 256 by 1024, of which the result is made, at the low and at the high end of what is cut to them."""
-    bits = 20
-    index, cut = (
-        grid.reshape(-1) for grid in np.mgrid[: 1 << INDEX_BITS, : 1 << NUMERATOR_BITS].astype(np.int64)
+@pytest.mark.parametrize("bits", [1, 2, 5, 8])
+def test_every_pair(bits: int) -> None:
+    numerator, denominator = (
+        grid.reshape(-1) for grid in np.mgrid[: 1 << bits, 1 : 1 << bits].astype(np.int64)
     )
-    low_bits, cut_bits = bits - INDEX_BITS - 1, bits - NUMERATOR_BITS - 1
-    for end in (0, 1):
-        denominator = (((1 << INDEX_BITS) + index + end) << low_bits) - end
-        check(bits, ((cut + end) << cut_bits) - end, denominator)
+    check(bits, numerator, denominator)
 
 
-def test_every_divisor() -> None:
-    """The narrowest divider: each of its divisors with a hundred dividends."""
-    denominator = np.repeat(np.arange(1, 1 << NARROWEST), 100)
-    numerator = np.random.default_rng(1).integers(0, denominator // 2 + 2)
-    check(NARROWEST, numerator, denominator)
-
-
-@pytest.mark.parametrize("bits", WIDTHS)
-def test_error_against_exact_quotients(bits: int) -> None:
-    """What comes out of the hardware itself, compared with fractions."""
-    numerator, denominator = operands(bits, 4000, 1)
-    capture = check(bits, numerator, denominator)
-    quotient = capture.outputs["o"] & np.uint64(127)
-    limit = Fraction(worst_error())
-    assert limit <= Fraction(1, 128)
-    for n, d, q in zip(numerator.tolist(), denominator.tolist(), quotient.tolist(), strict=True):
-        assert abs(Fraction(q, 128) - min(Fraction(n, d), Fraction(1, 2))) <= limit
+@pytest.mark.parametrize("denominator", [1 << 16, (1 << 17) - 1, 99_991])
+def test_every_dividend(denominator: int) -> None:
+    """Of the width that is used: all up to more than half of a wide divisor."""
+    numerator = np.arange(denominator // 2 + 3)
+    check(USED, numerator, np.full_like(numerator, denominator))
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 def test_stalls(name: EngineName, stalls: Stalls) -> None:
-    numerator, denominator = operands(40, 4000 if name == "compiled" else 200)
-    check(40, numerator, denominator, name, stalls)
+    """Clocks without enable between any two bits change nothing."""
+    numerator, denominator = operands(USED, 2000 if name == "compiled" else 100)
+    check(USED, numerator, denominator, name, stalls)
 
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """0, 1/4, 1/3, 1/2, and beyond: 127.5/256 of a pixel would be 64; clamped only above one half."""
-    cases = [(0, 5, 0, 0), (1, 4, 32, 0), (333_333, 1_000_000, 43, 0), (500, 1000, 64, 0)]
-    cases += [(501, 1000, 64, 1), (3, 2, 64, 1), ((1 << 40) - 1, 1, 64, 1), (1, (1 << 40) - 1, 0, 0)]
-    numerator, denominator, quotient, clamped = np.array(cases).T
-    capture = check(40, numerator, denominator, name)
-    assert (capture.outputs["o"] & np.uint64(127)).tolist() == quotient.tolist()
-    assert (capture.outputs["o"] >> np.uint64(7) & np.uint64(1)).tolist() == clamped.tolist()
-
-
-@pytest.mark.parametrize("bits", [1, 8, NARROWEST - 1])
-def test_too_narrow_ones_are_refused(bits: int) -> None:
-    with pytest.raises(ValueError, match=rf"bits is {bits}; allowed: whole numbers from {NARROWEST}"):
-        Divider(bits)
-
-
-def test_latency() -> None:
-    """One shift per bit of the width's length, table, a tree of ten, rounding."""
-    assert [Divider(bits).latency for bits in (11, 16, 17, 40, 51)] == [10, 10, 11, 12, 12]
+    """0, 1/4, 1/3 = 85.3/256, just below a half, a half, and beyond."""
+    cases = [(0, 5, 0, 0), (1, 4, 64, 0), (33_333, 100_000, 85, 0), (499, 1000, 127, 0), (500, 1000, 128, 1)]
+    cases += [(501, 1000, 128, 1), (3, 2, 128, 1), ((1 << 17) - 1, 1, 128, 1), (1, (1 << 17) - 1, 0, 0)]
+    numerator, denominator, quotient, reached = np.array(cases).T
+    seen = unpack(RESULT, check(USED, numerator, denominator, name).outputs["o"])
+    assert (seen["quotient"].tolist(), seen["reached"].tolist()) == (quotient.tolist(), reached.tolist())

@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Subpixel refinement: every kind of surface, both fits, every pixel width, a patch every other clock."""
+"""Subpixel refinement: every kind of surface, both fits, every pixel width, as fast as it says."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from golden.parameters import Fit, Parameters
-from golden.subpixel import subpixel
+from golden.subpixel import FITS as GOLDEN_FITS
+from golden.subpixel import Derivatives, derivative_bits, derivatives, peak
 from hdl.subpixel import Subpixel, offset_layout
+from hdl.surface import FORMATS, derivatives_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
 from tests.hdl.blocks import (
@@ -21,6 +23,7 @@ from tests.hdl.blocks import (
     Array,
     assert_timing,
     engine,
+    latency,
     pack,
     run,
     unpack,
@@ -40,24 +43,40 @@ def check(
     pixel_bits: int = 8,
 ) -> Capture:
     """``patches``: (n, 3, 3)."""
+    assert patches.min() >= 0 and patches.max() <= Parameters(pixel_bits=pixel_bits).response_max
+    return check_derivatives(fit, derivatives(GOLDEN_FITS[fit](patches)), name, stalls, pixel_bits)
+
+
+def check_derivatives(
+    fit: Fit,
+    values: Derivatives,
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+    pixel_bits: int = 8,
+) -> Capture:
+    """``values`` as the golden model has them."""
     parameters = Parameters(fit=fit, pixel_bits=pixel_bits)
-    assert patches.min() >= 0 and patches.max() <= parameters.response_max
     block = Subpixel(parameters)
-    offset = subpixel(patches, fit)
+    offset = peak(values, derivative_bits(parameters))
     fields = {
         "dx": offset.dx,
         "dy": offset.dy,
         "clamped": offset.clamped,
         "not_maximum": offset.not_maximum,
     }
+    given = {
+        field: value >> form.zeros
+        for (field, value), form in zip(values._asdict().items(), FORMATS[fit], strict=True)
+    }
     capture = run(
         engine(name, Subpixel, parameters),
-        {"i": pack(block.i.payload.shape(), patches)},
+        {"i": pack(derivatives_layout(parameters), given)},
         {"o": pack(offset_layout(), fields)},
         stalls,
+        clocks=block.interval,
     )
     if stalls == NO_STALLS:
-        assert_timing(capture, block.latency, clocks=2)
+        assert_timing(capture, block.latency, clocks=block.interval)
     return capture
 
 
@@ -113,7 +132,12 @@ def named(largest: int) -> Array:
 def test_peaks(fit: Fit, name: EngineName, stalls: Stalls) -> None:
     count = 2000 if name == "compiled" else 60
     full = Parameters().response_max
-    check(fit, np.concatenate([peaks(count, full), paraboloids(count, full)]), name, stalls)
+    capture = check(fit, np.concatenate([peaks(count, full), paraboloids(count, full)]), name, stalls)
+    if not stalls.outputs:
+        # starved or not: never longer, and the next one when this one has moved on
+        block = Subpixel(Parameters(fit=fit))
+        assert (latency(capture) == block.latency).all()
+        assert (np.diff(capture.input_clocks["i"]) >= block.interval).all()
 
 
 @every_fit
@@ -124,6 +148,8 @@ def test_many_patches(fit: Fit, pixel_bits: int) -> None:
     anything = rng.integers(0, full, (20_000, 3, 3), endpoint=True)
     small = rng.integers(0, 3, (20_000, 3, 3), endpoint=True)
     patches = [peaks(20_000, full, 1), peaks(20_000, 9, 2), paraboloids(30_000, full, 3), anything, small]
+    # responses of every height: every shift
+    patches += [peaks(500, full >> k, k) for k in range(full.bit_length() - 1)]
     capture = check(fit, np.concatenate(patches), pixel_bits=pixel_bits)
     seen = unpack(offset_layout(), capture.outputs["o"])
     inside = ~(seen["clamped"] | seen["not_maximum"]).astype(bool)
@@ -143,18 +169,64 @@ def test_extremes(fit: Fit, pixel_bits: int) -> None:
 
 
 @every_fit
+@every_width
+def test_any_derivatives(fit: Fit, pixel_bits: int) -> None:
+    """Also such as no patch has: each of the five at its ends, around 0, and of every length, by itself."""
+    parameters = Parameters(fit=fit, pixel_bits=pixel_bits)
+    rng = np.random.default_rng(pixel_bits)
+    values = []
+    for (_, field), form in zip(derivatives_layout(parameters), FORMATS[fit], strict=True):
+        top = (1 << (field.width - 1)) - 1
+        ends = rng.choice([-top - 1, -top, -1, 0, 1, top], 20_000)
+        anything = rng.integers(-top - 1, top, 20_000, endpoint=True)
+        lengths = anything[:20_000] >> rng.integers(0, field.width, 20_000)
+        # curvatures and slopes whose products nearly cancel
+        near = (top >> 3) - rng.integers(0, 1 << rng.integers(1, field.width - 4, 20_000))
+        values.append(np.concatenate([ends, anything, lengths, near]) << form.zeros)
+    seen = unpack(
+        offset_layout(), check_derivatives(fit, Derivatives(*values), pixel_bits=pixel_bits).outputs["o"]
+    )
+    assert (
+        seen["clamped"].any()
+        and seen["not_maximum"].any()
+        and not (seen["clamped"] & seen["not_maximum"]).any()
+    )
+
+
+@every_fit
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(fit: Fit, name: EngineName) -> None:
     """The peak of 4000 - 1000 x² - 1500 y² + 200 xy + 640 x - 660 y is at (0.3, -0.2): 38.4 and -25.6 of 128."""
     surface = 4000 - 1000 * X * X - 1500 * Y * Y + 200 * X * Y + 640 * X - 660 * Y
     flat, ridge, bowl = X * 0 + 9, 5 - X * X, X * X + Y * Y
     steep = 100 * (4 - (X - 1) * (X - 1) - Y * Y)
-    capture = check(fit, np.stack([surface, flat, ridge, bowl, steep + 200]), name)
+    half = 200 - 64 * (X * X + Y * Y) - 64 * Y
+    capture = check(fit, np.stack([surface, flat, ridge, bowl, steep + 200, half]), name)
     seen = unpack(offset_layout(), capture.outputs["o"])
-    assert abs(seen["dx"][0] - 38.4) <= 1 and abs(seen["dy"][0] + 25.6) <= 1
-    assert seen["not_maximum"].tolist() == [0, 1, 1, 1, 0]
-    assert seen["clamped"].tolist() == [0, 0, 0, 0, 1]
-    assert seen["dx"][1:].tolist() == [0, 0, 0, 64] and seen["dy"][1:].tolist() == [0, 0, 0, 0]
+    assert seen["dx"].tolist() == [38, 0, 0, 0, 64, 0] and seen["dy"].tolist() == [-26, 0, 0, 0, 0, -64]
+    assert seen["not_maximum"].tolist() == [0, 1, 1, 1, 0, 0]
+    assert seen["clamped"].tolist() == [0, 0, 0, 0, 1, 1]
+
+
+@every_fit
+def test_lone_candidates(fit: Fit) -> None:
+    """Each finds the unit idle, and leaves it idle: nothing of one is left for the next."""
+    full = Parameters().response_max
+    patches = np.concatenate([named(full), peaks(300, full)])
+    capture = check(fit, patches, stalls=Stalls(inputs=0.995, seed=1))
+    block = Subpixel(Parameters(fit=fit))
+    assert (latency(capture) == block.latency).all()
+    assert np.quantile(np.diff(capture.input_clocks["i"]), 0.5) > block.latency
+
+
+@every_fit
+@every_width
+def test_latency(fit: Fit, pixel_bits: int) -> None:
+    """A clock for every bit cut in the first stage, one more than bits in the second, and one to move on."""
+    parameters = Parameters(fit=fit, pixel_bits=pixel_bits)
+    block = Subpixel(parameters)
+    assert block.interval == 1 + max(derivative_bits(parameters) - 10, 12)
+    assert block.latency == 3 * block.interval + 1
 
 
 def test_the_printed_fit_is_refused() -> None:

@@ -1,0 +1,81 @@
+# amaranth: UnusedElaboratable=no
+"""Centre rows: the middle rows of nine, three columns late, without the columns that no window is centred next to."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from golden.parameters import Parameters
+from hdl.centre_rows import CentreRows
+from sim.engine import EngineName
+from sim.stimulus import Capture, Stalls
+from tests.hdl.blocks import (
+    ENGINES,
+    NO_STALLS,
+    RUN_IDS,
+    RUNS,
+    Array,
+    assert_timing,
+    columns,
+    completing,
+    engine,
+    extremes,
+    noise,
+    pack,
+    run,
+    unpack,
+)
+
+FULL = Parameters().response_max
+
+
+def check(
+    frames: list[Array], name: EngineName = "compiled", stalls: Stalls = NO_STALLS, pixel_bits: int = 8
+) -> Capture:
+    parameters = Parameters(pixel_bits=pixel_bits)
+    block = CentreRows(parameters)
+    inner = [frame[3:-3, 3:-3] for frame in frames]
+    capture = run(
+        engine(name, CentreRows, parameters),
+        {"i": pack(block.i.payload.shape(), columns(frames, 9))},
+        {"o": pack(block.o.payload.shape(), columns(inner, 3))},
+        stalls,
+    )
+    if stalls == NO_STALLS:
+        sizes = [(len(frame) - 8, frame.shape[1]) for frame in frames]
+        # three columns past the one that comes out
+        assert_timing(capture, block.latency, completing(sizes, 7))
+    return capture
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+def test_noise(name: EngineName, stalls: Stalls) -> None:
+    sizes = [(20, 30), (9, 9), (12, 7), (9, 40), (10, 8), (11, 17)]
+    check(noise(sizes if name == "compiled" else [(9, 9), (10, 12), (11, 7), (9, 10)], FULL), name, stalls)
+
+
+@pytest.mark.parametrize("pixel_bits", [4, 8, 10])
+def test_extremes(pixel_bits: int) -> None:
+    check(extremes((11, 20), Parameters(pixel_bits=pixel_bits).response_max), pixel_bits=pixel_bits)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_by_hand(name: EngineName) -> None:
+    """10 rows of 9: row r, column c is 10 r + c. Rows 3 to 5, and 4 to 6, of columns 3 to 5 remain."""
+    frame = 10 * np.arange(10)[:, None] + np.arange(9)
+    layout = CentreRows(Parameters()).o.payload.shape()
+    seen = unpack(layout, check([frame], name).outputs["o"])
+    assert seen["data"].tolist() == [
+        [33, 43, 53],
+        [34, 44, 54],
+        [35, 45, 55],
+        [43, 53, 63],
+        [44, 54, 64],
+        [45, 55, 65],
+    ]
+    assert (seen["eol"].tolist(), seen["eof"].tolist()) == ([0, 0, 1, 0, 0, 1], [0, 0, 0, 0, 0, 1])
+
+
+def test_latency() -> None:
+    assert CentreRows.latency == 1
