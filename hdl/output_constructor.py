@@ -74,5 +74,8 @@ class OutputConstructor(wiring.Component):
         with m.If(free):
             m.d.sync += self.o.valid.eq(complete)
         with m.If(step):
-            m.d.sync += [self.o.payload.record.eq(Mux(note.end, end, corner)), self.o.payload.last.eq(note.end)]
+            m.d.sync += [
+                self.o.payload.record.eq(Mux(note.end, end, corner)),
+                self.o.payload.last.eq(note.end),
+            ]
         return m
