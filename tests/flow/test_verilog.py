@@ -15,6 +15,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
+from flow.quartus import find_memories, split_modules
 from flow.verilog import convert, detector_verilog, emit_verilog
 from flow.version import VERSION
 from golden import Parameters, Settings, StreamModel, profile
@@ -171,13 +172,15 @@ def noise_at_power_on(text: str) -> tuple[str, int]:
     return declared.sub(fill, text), memories
 
 
-# line buffers, one bank per row or all rows in one memory, and the queue of notes
-@pytest.mark.parametrize(("name", "written"), [("paper", 4 + 6 + 10 + 1), ("robust", 3 + 1)])
-def test_no_record_depends_on_what_memories_held_at_power_on(tmp_path: Path, name: str, written: int) -> None:
+@pytest.mark.parametrize("name", ["paper", "robust"])
+def test_no_record_depends_on_what_memories_held_at_power_on(tmp_path: Path, name: str) -> None:
     parameters = profile(name, **SMALL)
     detector = Detector(parameters)
-    text, memories = noise_at_power_on(detector_verilog(detector, parameters))
-    assert memories == written
+    plain = detector_verilog(detector, parameters)
+    text, memories = noise_at_power_on(plain)
+    _, modules = split_modules(plain)
+    kinds = [memory.kind for module, body in modules.items() for memory in find_memories(module, body)]
+    assert memories == kinds.count("simple dual-port RAM") > 3
     path = tmp_path / "noise.v"
     path.write_text(text)
     engine = make_engine("verilog", detector, verilog=path, cache=tmp_path)
