@@ -31,13 +31,12 @@ proc
 opt_expr
 opt_clean
 check -assert
-opt -nodffe -nosdff
-fsm
 opt
+opt -full
 wreduce
 peepopt
 opt_clean
-techmap -map operators.v t:$gt t:$ge t:$le
+techmap -map operators.v t:$lt t:$gt t:$ge t:$le
 opt
 alumacc
 maccmap -unmap
@@ -64,6 +63,8 @@ dfflegalize -cell $_DFFE_PP_ 01 -cell $_SDFFCE_PP0P_ 0 -mince 4 -minsrst 4
 techmap -map flipflops.v
 opt_expr -mux_undef
 simplemap
+opt_merge
+opt_clean
 abc -lut 4 -script {abc}
 clean
 techmap -map luts.v

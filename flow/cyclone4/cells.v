@@ -23,6 +23,7 @@ endmodule
 
 // RAM with one write port (a) and one read port (b), or a table with two read ports, on one clock. A read of the
 // word that is written in the same clock gives the old one. "contents" stands in for init_file, which names a file.
+// clocken0 holds what is not "BYPASS": all four unless told otherwise, so it must be told.
 module altsyncram (clock0, clocken0, address_a, data_a, wren_a, rden_a, q_a, address_b, rden_b, q_b);
   parameter operation_mode = "DUAL_PORT";
   parameter intended_device_family = "Cyclone IV GX";
@@ -31,14 +32,18 @@ module altsyncram (clock0, clocken0, address_a, data_a, wren_a, rden_a, q_a, add
   parameter widthad_a = 10;
   parameter numwords_a = 1024;
   parameter outdata_reg_a = "UNREGISTERED";
-  parameter clock_enable_output_a = "BYPASS";
+  parameter clock_enable_input_a = "NORMAL";
+  parameter clock_enable_output_a = "NORMAL";
   parameter width_b = 9;
   parameter widthad_b = 10;
   parameter numwords_b = 1024;
   parameter address_reg_b = "CLOCK0";
   parameter rdcontrol_reg_b = "CLOCK0";
+  parameter indata_reg_b = "CLOCK0";
+  parameter wrcontrol_wraddress_reg_b = "CLOCK0";
   parameter outdata_reg_b = "UNREGISTERED";
-  parameter clock_enable_output_b = "BYPASS";
+  parameter clock_enable_input_b = "NORMAL";
+  parameter clock_enable_output_b = "NORMAL";
   parameter read_during_write_mode_mixed_ports = "OLD_DATA";
   parameter power_up_uninitialized = "FALSE";
   parameter [9215:0] contents = 0;
@@ -58,12 +63,14 @@ module altsyncram (clock0, clocken0, address_a, data_a, wren_a, rden_a, q_a, add
     for (k = 0; k < numwords_a; k = k + 1)
       words[k] = contents >> (k * width_a);
   end
+  wire input_a = clock_enable_input_a == "BYPASS" || clocken0;
+  wire input_b = clock_enable_input_b == "BYPASS" || clocken0;
   always @(posedge clock0) begin
-    if (rden_a)
+    if (input_a && rden_a)
       read_a <= words[address_a];
-    if (rden_b)
+    if (input_b && rden_b)
       read_b <= words[address_b];
-    if (wren_a)
+    if (input_a && wren_a)
       words[address_a] <= data_a;
     if (clock_enable_output_a == "BYPASS" || clocken0)
       registered_a <= read_a;

@@ -1,4 +1,8 @@
 // M9K blocks found by memory_libmap become altsyncram cells.
+//
+// Only rden and wren, which memory_libmap knows, control the input side of the ports: clocken0 is bypassed there.
+// So it is free for the output registers, where the refinement of the netlist puts flip-flops into them: then it is
+// their enable, on both ports, and a write in the same clock takes place whatever it is.
 
 module \$__CYCLONE4_M9K_ (PORT_W_CLK, PORT_W_ADDR, PORT_W_WR_DATA, PORT_W_WR_EN,
                           PORT_R_CLK, PORT_R_ADDR, PORT_R_RD_DATA, PORT_R_RD_EN);
@@ -24,6 +28,8 @@ module \$__CYCLONE4_M9K_ (PORT_W_CLK, PORT_W_ADDR, PORT_W_WR_DATA, PORT_W_WR_EN,
     .width_b(WIDTH), .widthad_b(BITS), .numwords_b(1 << BITS),
     .address_reg_b("CLOCK0"), .rdcontrol_reg_b("CLOCK0"), .outdata_reg_b("UNREGISTERED"),
     .read_during_write_mode_mixed_ports("OLD_DATA"),
+    .clock_enable_input_a("BYPASS"), .clock_enable_output_a("BYPASS"),
+    .clock_enable_input_b("BYPASS"), .clock_enable_output_b("BYPASS"),
     .power_up_uninitialized("FALSE")
   ) _TECHMAP_REPLACE_ (
     .clock0(PORT_W_CLK), .clocken0(1'b1),
@@ -51,6 +57,8 @@ module \$__CYCLONE4_M9K_TABLE_ (PORT_R_CLK, PORT_R_ADDR, PORT_R_RD_DATA, PORT_R_
     .width_b(WIDTH), .widthad_b(BITS), .numwords_b(1 << BITS),
     .address_reg_b("CLOCK0"), .rdcontrol_reg_b("CLOCK0"), .outdata_reg_b("UNREGISTERED"),
     .read_during_write_mode_mixed_ports("OLD_DATA"),
+    .clock_enable_input_a("BYPASS"), .clock_enable_output_a("BYPASS"),
+    .clock_enable_input_b("BYPASS"), .clock_enable_output_b("BYPASS"),
     .power_up_uninitialized("FALSE"),
     .contents(INIT)
   ) _TECHMAP_REPLACE_ (
@@ -79,7 +87,10 @@ module \$__CYCLONE4_M9K_TABLE_TWICE_ (PORT_A_CLK, PORT_A_ADDR, PORT_A_RD_DATA, P
     .width_a(WIDTH), .widthad_a(BITS), .numwords_a(1 << BITS), .outdata_reg_a("UNREGISTERED"),
     .width_b(WIDTH), .widthad_b(BITS), .numwords_b(1 << BITS),
     .address_reg_b("CLOCK0"), .rdcontrol_reg_b("CLOCK0"), .outdata_reg_b("UNREGISTERED"),
+    .indata_reg_b("CLOCK0"), .wrcontrol_wraddress_reg_b("CLOCK0"),
     .read_during_write_mode_mixed_ports("OLD_DATA"),
+    .clock_enable_input_a("BYPASS"), .clock_enable_output_a("BYPASS"),
+    .clock_enable_input_b("BYPASS"), .clock_enable_output_b("BYPASS"),
     .power_up_uninitialized("FALSE"),
     .contents(INIT)
   ) _TECHMAP_REPLACE_ (
