@@ -1,4 +1,4 @@
-"""Small stream parts that every block uses: beats with raster tags, pipelines that stall, forks, skid buffers.
+"""Small stream parts that every block uses: beats with raster tags, pipelines that stall, buffers, queues.
 
 All streams follow Amaranth's ``lib.stream``: valid never depends on ready, and a payload is held until taken.
 """
@@ -69,13 +69,6 @@ class Pipeline:
         value = Value.cast(value)
         for k in range(clocks):
             value = self.register(value, f"{name}_{k + 1}", reset=reset)
-        return value
-
-    def delay_beats(self, value: ValueLike, beats: int, name: str, valid: ValueLike) -> Value:
-        """``value`` some valid beats earlier: bubbles between the beats do not count."""
-        value = Value.cast(value)
-        for k in range(beats):
-            value = self.register(value, f"{name}_{k + 1}", when=valid)
         return value
 
 
@@ -179,31 +172,3 @@ class Queue(wiring.Component):
         # what is put in now and in the clock before is not yet counted
         m.d.sync += self.room.eq(fifo.w_level <= self._depth - _MARGIN)
         return m
-
-
-def fork(m: Module, source: Any, sinks: list[Any]) -> None:
-    """Give every beat of ``source`` to each of ``sinks`` once, as soon as each can take it.
-
-    Drives the handshakes only; the caller drives the payloads, which may be parts of the source's.
-    """
-    taken = [Signal(name=f"taken_{k}") for k in range(len(sinks))]
-    done = [Signal(name=f"done_{k}") for k in range(len(sinks))]
-    for sink, has, now in zip(sinks, taken, done, strict=True):
-        m.d.comb += [sink.valid.eq(source.valid & ~has), now.eq(has | sink.ready)]
-        m.d.sync += has.eq(source.valid & now & ~source.ready)
-    m.d.comb += source.ready.eq(_all(done))
-
-
-def join(m: Module, sources: list[Any], sink: Any) -> None:
-    """Give ``sink`` one beat for one beat of each of ``sources``; drives the handshakes only."""
-    valid = Signal(name="joined")
-    m.d.comb += [valid.eq(_all([source.valid for source in sources])), sink.valid.eq(valid)]
-    for source in sources:
-        m.d.comb += source.ready.eq(valid & sink.ready)
-
-
-def _all(bits: list[Any]) -> Value:
-    result: Value = Value.cast(bits[0])
-    for bit in bits[1:]:
-        result = result & bit
-    return result

@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Squares and products out of adders: exhaustively where narrow, at their ends where wide; and no multipliers."""
+"""Sums with a carry: every pair of narrow numbers, ends of wide ones, in one adder; and no multipliers anywhere."""
 
 from __future__ import annotations
 
@@ -8,103 +8,78 @@ from typing import Any
 import numpy as np
 import pytest
 from amaranth.back import rtlil
-from amaranth.hdl import Module
+from amaranth.hdl import Module, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from numpy.typing import NDArray
 
 from golden import profile
-from hdl.arithmetic import add_tree, multiply, square, tree_latency
+from hdl.arithmetic import add_with_carry
 from hdl.detector import Detector
-from hdl.stream import Pipeline
 from sim.engine import EngineName
-from sim.stimulus import Stalls
-from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Words, assert_timing, engine, pack, run
+from tests.hdl.blocks import ENGINES, engine, pack, run
 
 Int64 = NDArray[np.int64]
 
-A_BITS, B_BITS = 21, 18
-SQUARES = (1, 2, 3, 4, 7, 8, 9, 10, 17, 21)
-PRODUCTS = ((1, 1), (3, 2), (8, 8), (10, 10), (20, 18), (5, 17), (21, 1))
-TREES = (1, 2, 3, 5, 9)
-LATENCY = 5
 
+class Sum(wiring.Component):
+    """a + b + carry, of signed numbers of these widths."""
 
-class Products(wiring.Component):
-    """Squares, products and sums of the low bits of two numbers, all in step."""
-
-    i_shape = data.StructLayout({"a": A_BITS, "b": B_BITS})
-    o_shape = data.StructLayout(
-        {f"square_{n}": 2 * n for n in SQUARES}
-        | {f"product_{n}_{k}": n + k for n, k in PRODUCTS}
-        | {f"sum_{n}": A_BITS + 4 for n in TREES}
-    )
-
-    def __init__(self) -> None:
+    def __init__(self, a_bits: int, b_bits: int) -> None:
+        self.i_shape = data.StructLayout({"a": signed(a_bits), "b": signed(b_bits), "carry": 1})
+        # one bit more than it can need
+        self.o_shape = data.StructLayout({"sum": signed(max(a_bits, b_bits) + 2)})
         super().__init__({"i": In(stream.Signature(self.i_shape)), "o": Out(stream.Signature(self.o_shape))})
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        pipe = Pipeline(m, self.i, self.o)
-        a, b = self.i.payload.a, self.i.payload.b
-        results = {f"square_{n}": (square(pipe, a[:n], f"s{n}"), n) for n in SQUARES}
-        results |= {f"product_{n}_{k}": (multiply(pipe, a[:n], b[:k], f"p{n}_{k}"), k) for n, k in PRODUCTS}
-        results |= {f"sum_{n}": (add_tree(pipe, [a, b, a, b, a, b, a, b, a][:n], f"t{n}"), n) for n in TREES}
-        for name, (value, terms) in results.items():
-            wait = LATENCY - tree_latency(terms)
-            m.d.comb += self.o.payload[name].eq(pipe.delay(value, wait, f"{name}_wait"))
-        m.d.comb += self.o.valid.eq(pipe.delay(pipe.valid, LATENCY, "valid", reset=True))
+        given = self.i.payload
+        total = add_with_carry(given.a, given.b, given.carry)
+        assert total.shape() == signed(len(self.o.payload.sum) - 1)
+        m.d.comb += [
+            self.o.valid.eq(self.i.valid),
+            self.i.ready.eq(self.o.ready),
+            self.o.payload.sum.eq(total),
+        ]
         return m
 
 
-def streams(a: Int64, b: Int64) -> tuple[dict[str, Words], dict[str, Words]]:
-    expected = {f"square_{n}": (a & ((1 << n) - 1)) ** 2 for n in SQUARES}
-    expected |= {f"product_{n}_{k}": (a & ((1 << n) - 1)) * (b & ((1 << k) - 1)) for n, k in PRODUCTS}
-    expected |= {f"sum_{n}": sum(([a, b] * 5)[:n], np.zeros_like(a)) for n in TREES}
-    return {"i": pack(Products.i_shape, {"a": a, "b": b})}, {"o": pack(Products.o_shape, expected)}
+def check(a_bits: int, b_bits: int, a: Int64, b: Int64, name: EngineName = "compiled") -> None:
+    """Every a with every b, without and with carry."""
+    a, b, carry = (grid.reshape(-1) for grid in np.meshgrid(a, b, [0, 1]))
+    block = Sum(a_bits, b_bits)
+    given = pack(block.i_shape, {"a": a, "b": b, "carry": carry})
+    expected = pack(block.o_shape, {"sum": a + b + carry})
+    run(engine(name, Sum, a_bits, b_bits), {"i": given}, {"o": expected})
 
 
-def some(count: int) -> tuple[Int64, Int64]:
-    """All pairs of ends and single bits, then random ones of every length."""
-    rng = np.random.default_rng(1)
-    ends_a, ends_b = (
-        np.array(sorted({0, *(1 << k for k in range(bits)), *((2 << k) - 1 for k in range(bits))}))
-        for bits in (A_BITS, B_BITS)
-    )
-    a, b = (grid.reshape(-1) for grid in np.meshgrid(ends_a, ends_b))
-    more_a, more_b = (
-        rng.integers(0, 1 << bits, count) >> rng.integers(0, bits, count) for bits in (A_BITS, B_BITS)
-    )
-    return np.concatenate([more_a, a]), np.concatenate([more_b, b])
+@pytest.mark.parametrize(("a_bits", "b_bits"), [(1, 1), (3, 5), (5, 3), (6, 6)])
+def test_every_pair(a_bits: int, b_bits: int) -> None:
+    a, b = (np.arange(-(1 << (bits - 1)), 1 << (bits - 1)) for bits in (a_bits, b_bits))
+    check(a_bits, b_bits, a, b)
 
 
-def test_all_bytes() -> None:
-    """Every pair of 8-bit numbers, and with them every narrower one."""
-    a, b = (grid.reshape(-1) for grid in np.mgrid[:256, :256].astype(np.int64))
-    assert_timing(run(engine("compiled", Products), *streams(a, b)), LATENCY)
+@pytest.mark.parametrize(("a_bits", "b_bits"), [(11, 11), (20, 9), (21, 21)])
+def test_wide_ones(a_bits: int, b_bits: int) -> None:
+    """Ends, single bits, and anything."""
+
+    def some(bits: int) -> Int64:
+        top = 1 << (bits - 1)
+        ends = {-top, top - 1, -1, 0, *(1 << k for k in range(bits - 1)), *(-1 << k for k in range(bits - 1))}
+        return np.concatenate([sorted(ends), np.random.default_rng(bits).integers(-top, top, 100)])
+
+    check(a_bits, b_bits, some(a_bits), some(b_bits))
 
 
-def test_every_square_of_17_bits() -> None:
-    """Those of the response."""
-    a = np.arange(1 << 17)
-    run(engine("compiled", Products), *streams(a, a[::-1]))
+@pytest.mark.parametrize("name", ENGINES)
+def test_by_hand(name: EngineName) -> None:
+    """-16 and 15, and with either carry: no bit is lost at either end."""
+    check(5, 5, np.array([-16, 15]), np.array([-16, 15]), name)
 
 
-def test_ends_and_single_bits() -> None:
-    run(engine("compiled", Products), *streams(*some(20_000)))
-
-
-@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
-def test_stalls(name: EngineName, stalls: Stalls) -> None:
-    a, b = some(2000 if name == "compiled" else 100)
-    count = 3000 if name == "compiled" else 100
-    capture = run(engine(name, Products), *streams(a[:count], b[:count]), stalls)
-    if stalls == NO_STALLS:
-        assert_timing(capture, LATENCY)
-
-
-def test_tree_latency() -> None:
-    assert [tree_latency(terms) for terms in (1, 2, 3, 4, 5, 8, 9, 16, 17)] == [0, 1, 2, 2, 3, 3, 4, 4, 5]
+def test_it_is_one_adder() -> None:
+    text = rtlil.convert(Sum(11, 11), name="top", emit_src=False)
+    assert text.count("cell $add ") == 1 and "cell $sub" not in text
 
 
 @pytest.mark.parametrize("name", ["paper", "robust"])

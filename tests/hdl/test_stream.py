@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from amaranth.hdl import Cat, Module
+from amaranth.hdl import Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.sim import Simulator
 
-from hdl.stream import Beat, Columns, Delay, Pipeline, SkidBuffer, WindowCounter, fork, join
+from hdl.stream import Beat, Columns, Pipeline, Queue, SkidBuffer, WindowCounter
 from sim.engine import EngineName
 from sim.stimulus import Stalls
 from tests.hdl.blocks import (
@@ -30,7 +30,7 @@ from tests.hdl.blocks import (
 )
 
 BITS = 16
-HISTORY = data.StructLayout({"now": BITS, "two_before": BITS, "three_clocks": BITS})
+HISTORY = data.StructLayout({"now": BITS, "beat_before": BITS, "three_clocks": BITS})
 every_run = pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 
 
@@ -76,77 +76,84 @@ def test_skid_buffer_holds_two_and_its_ready_comes_from_a_register() -> None:
 
 
 @every_run
-@pytest.mark.parametrize("clocks", [0, 1, 7])
-def test_delay(clocks: int, name: EngineName, stalls: Stalls) -> None:
+@pytest.mark.parametrize("depth", [4, 5, 16])
+def test_queue(depth: int, name: EngineName, stalls: Stalls) -> None:
     beats = numbers(name)
-    capture = run(engine(name, Delay, BITS, clocks), {"i": beats}, {"o": beats}, stalls)
+    capture = run(engine(name, Queue, BITS, depth), {"i": beats}, {"o": beats}, stalls)
+    if not stalls.outputs:
+        assert (latency(capture) == Queue.latency).all()
     if stalls == NO_STALLS:
-        assert Delay(BITS, clocks).latency == clocks
-        assert_timing(capture, clocks)
+        assert_timing(capture, Queue.latency)
 
 
-class Forked(wiring.Component):
-    """One stream to three, the second and third through registers."""
+@pytest.mark.parametrize("depth", [4, 5, 8, 16, 20])
+def test_queue_has_room_for_two_more_when_it_says_no(depth: int) -> None:
+    dut = Queue(BITS, depth)
 
-    def __init__(self) -> None:
+    async def bench(ctx: Any) -> None:
+        ctx.set(dut.i.valid, 1)
+        written, while_room = 0, 0
+        for _ in range(depth + 10):
+            ctx.set(dut.i.payload, 100 + written)
+            while_room += ctx.get(dut.room)
+            written += ctx.get(dut.i.ready)
+            await ctx.tick()
+        assert (written, while_room) == (depth, depth - 2)
+        # each beat read makes one place; room comes back when two are sure
+        ctx.set(dut.i.valid, 0)
+        ctx.set(dut.o.ready, 1)
+        rooms = []
+        for beat in range(depth):
+            assert ctx.get(dut.o.valid) and ctx.get(dut.o.payload) == 100 + beat
+            rooms.append(ctx.get(dut.room))
+            await ctx.tick()
+        assert not ctx.get(dut.o.valid)
+        rooms.append(ctx.get(dut.room))
+        # four places free, and a clock for the register
+        assert rooms == [0] * 5 + [1] * (depth - 4)
+
+    simulator = Simulator(dut)
+    simulator.add_clock(1e-8)
+    simulator.add_testbench(bench)
+    simulator.run()
+
+
+class Hurried(wiring.Component):
+    """A source that looks at ``room`` alone, and then puts two beats in: one now, one in the next clock."""
+
+    def __init__(self, depth: int) -> None:
+        self._depth = depth
         port = stream.Signature(BITS)
-        super().__init__({"i": In(port), "a": Out(port), "b": Out(port), "c": Out(port)})
+        super().__init__({"i": In(port), "o": Out(port), "lost": Out(stream.Signature(1))})
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        m.submodules.short = short = Delay(BITS, 1)
-        m.submodules.long = long = Delay(BITS, 4)
-        fork(m, self.i, [wiring.flipped(self.a), short.i, long.i])
-        for payload in (self.a.payload, short.i.payload, long.i.payload):
-            m.d.comb += payload.eq(self.i.payload)
-        wiring.connect(m, short.o, wiring.flipped(self.b))
-        wiring.connect(m, long.o, wiring.flipped(self.c))
+        m.submodules.queue = queue = Queue(BITS, self._depth)
+        step, again, repeated = Signal(), Signal(), Signal(BITS)
+        m.d.comb += [
+            self.i.ready.eq(queue.room & ~again),
+            step.eq(self.i.valid & self.i.ready),
+            queue.i.valid.eq(step | again),
+            queue.i.payload.eq(Mux(again, repeated, self.i.payload)),
+        ]
+        m.d.sync += [again.eq(step), repeated.eq(~self.i.payload)]
+        with m.If(queue.i.valid & ~queue.i.ready):
+            m.d.sync += self.lost.valid.eq(1)
+        wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m
 
 
 @every_run
-def test_fork(name: EngineName, stalls: Stalls) -> None:
-    """Each sink gets every beat once, each at its own pace."""
+@pytest.mark.parametrize("depth", [4, 5, 9])
+def test_queue_never_overflows_where_room_is_minded(depth: int, name: EngineName, stalls: Stalls) -> None:
     beats = numbers(name)
-    expected = dict.fromkeys("abc", beats)
-    capture = run(engine(name, Forked), {"i": beats}, expected, stalls)
-    if stalls == NO_STALLS:
-        for sink, clocks in (("a", 0), ("b", 1), ("c", 4)):
-            assert_timing(capture, clocks, o=sink)
-    elif stalls.outputs:
-        # the sinks do run apart, or this would not be a fork
-        assert len({tuple(latency(capture, o=sink)) for sink in "abc"}) == 3
+    both = np.stack([beats, ~beats & np.uint64((1 << BITS) - 1)], axis=1).reshape(-1)
+    run(engine(name, Hurried, depth), {"i": beats}, {"o": both, "lost": beats[:0]}, stalls, clocks=3)
 
 
-class Joined(wiring.Component):
-    """Three streams to one, the second through registers."""
-
-    o_shape = data.StructLayout({"a": BITS, "b": BITS, "c": BITS})
-
-    def __init__(self) -> None:
-        port = stream.Signature(BITS)
-        super().__init__(
-            {"a": In(port), "b": In(port), "c": In(port), "o": Out(stream.Signature(self.o_shape))}
-        )
-
-    def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        m.submodules.delay = delay = Delay(BITS, 3)
-        wiring.connect(m, wiring.flipped(self.b), delay.i)
-        join(m, [self.a, delay.o, self.c], self.o)
-        m.d.comb += self.o.payload.eq(Cat(self.a.payload, delay.o.payload, self.c.payload))
-        return m
-
-
-@every_run
-def test_join(name: EngineName, stalls: Stalls) -> None:
-    """Beat n of each makes beat n of the result, which waits for the last of them."""
-    beats = {source: numbers(name, seed) for seed, source in enumerate("abc")}
-    capture = run(engine(name, Joined), beats, {"o": pack(Joined.o_shape, beats)}, stalls)
-    assert (capture.output_clocks["o"] == capture.input_clocks["a"]).all()
-    assert (capture.output_clocks["o"] == capture.input_clocks["c"]).all()
-    if stalls == NO_STALLS:
-        assert_timing(capture, 3, i="b")
+def test_queue_too_short_for_room() -> None:
+    with pytest.raises(ValueError, match="depth is 3; allowed: whole numbers from 4"):
+        Queue(BITS, 3)
 
 
 class Permitted(wiring.Component):
@@ -168,11 +175,11 @@ class Permitted(wiring.Component):
         pipe = Pipeline(m, self.i, self.o, permit=self.permission.valid)
         m.d.comb += self.permission.ready.eq(pipe.valid & pipe.advance)
         now = pipe.register(self.i.payload, "now", when=pipe.valid)
-        two_before = pipe.delay_beats(now, 2, "two_before", pipe.valid)
+        beat_before = pipe.register(now, "beat_before", when=pipe.valid)
         m.d.comb += [
             self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
             self.o.payload.now.eq(pipe.delay(now, 2, "now")),
-            self.o.payload.two_before.eq(pipe.delay(two_before, 2, "two_before")),
+            self.o.payload.beat_before.eq(pipe.delay(beat_before, 2, "beat_before")),
             self.o.payload.three_clocks.eq(pipe.delay(self.i.payload, 3, "three_clocks")),
         ]
         return m
@@ -182,8 +189,8 @@ class Permitted(wiring.Component):
 def test_pipeline(name: EngineName, stalls: Stalls) -> None:
     """Bubbles between beats do not count as beats; the last beats leave although no more come."""
     beats = numbers(name)
-    earlier = np.concatenate([np.zeros(2, np.uint64), beats[:-2]])
-    expected = pack(HISTORY, {"now": beats, "two_before": earlier, "three_clocks": beats})
+    earlier = np.concatenate([np.zeros(1, np.uint64), beats[:-1]])
+    expected = pack(HISTORY, {"now": beats, "beat_before": earlier, "three_clocks": beats})
     permissions = np.zeros(len(beats), np.uint64)
     capture = run(engine(name, Permitted), {"i": beats, "permission": permissions}, {"o": expected}, stalls)
     assert np.array_equal(capture.input_clocks["i"], capture.input_clocks["permission"])
