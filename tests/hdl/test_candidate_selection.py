@@ -3,17 +3,115 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from amaranth.hdl import Module, Signal
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+from amaranth.sim import Simulator
 
 from golden.parameters import MARGIN, Parameters
-from hdl.candidate_selection import CandidateSelection, note_layout
+from hdl.candidate_selection import CANDIDATES, NOTES, CandidateSelection, note_layout
+from hdl.surface import derivatives_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls, Stimulus
-from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Array, Size, engine, pack, same, tags, unpack
+from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Array, Size, Words, engine, pack, same, tags, unpack
 
 PARAMETERS = Parameters()
 FULL = PARAMETERS.response_max
+SURFACE = derivatives_layout(PARAMETERS)
+CENTRE = data.StructLayout(
+    {
+        "corner": 1,
+        "response": PARAMETERS.response_bits,
+        "textured": 1,
+        "keep": 1,
+        "surface": SURFACE,
+        "eol": 1,
+        "eof": 1,
+    }
+)
+
+
+class InStep(wiring.Component):
+    """The selection as the blocks before it feed it: all of a centre in one clock, a clock at least between frames.
+
+    ``broken`` says that its three inputs were not ready together.
+    """
+
+    def __init__(self) -> None:
+        self.selection = CandidateSelection(PARAMETERS)
+        super().__init__(
+            {
+                "i": In(stream.Signature(CENTRE)),
+                "candidate": Out(stream.Signature(SURFACE)),
+                "note": Out(stream.Signature(note_layout(PARAMETERS))),
+                "broken": Out(stream.Signature(1)),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.selection = selection = self.selection
+        corners, textures, surfaces = selection.corners, selection.textures, selection.surfaces
+        centre, pause, valid = self.i.payload, Signal(), Signal()
+        m.d.comb += [
+            valid.eq(self.i.valid & ~pause),
+            self.i.ready.eq(corners.ready & ~pause),
+            corners.valid.eq(valid),
+            textures.valid.eq(valid),
+            surfaces.valid.eq(valid),
+            corners.payload.data.corner.eq(centre.corner),
+            corners.payload.data.response.eq(centre.response),
+            textures.payload.data.textured.eq(centre.textured),
+            textures.payload.data.keep.eq(centre.keep),
+            surfaces.payload.eq(centre.surface),
+        ]
+        for source in (corners, textures):
+            m.d.comb += [source.payload.eol.eq(centre.eol), source.payload.eof.eq(centre.eof)]
+        m.d.sync += pause.eq(self.i.valid & self.i.ready & centre.eof)
+        with m.If((corners.ready != textures.ready) | (corners.ready != surfaces.ready)):
+            m.d.sync += self.broken.valid.eq(1)
+        wiring.connect(m, selection.candidate, wiring.flipped(self.candidate))
+        wiring.connect(m, selection.note, wiring.flipped(self.note))
+        return m
+
+
+def centres(sizes: list[Size], chances: tuple[float, float, float]) -> dict[str, Array | dict[str, Array]]:
+    """Frames of so many window centres, random ones of them corners, textured, and kept."""
+    rng = np.random.default_rng(len(sizes))
+    tagged = tags(sizes)
+    total = len(tagged["eol"])
+    corner, textured, keep = (rng.random(total) < chance for chance in chances)
+    surface = {}
+    for name, field in SURFACE:
+        top = 1 << (field.width - 1)
+        surface[name] = rng.integers(-top, top, total)
+    response = rng.integers(0, FULL, total, endpoint=True)
+    return {
+        "corner": corner,
+        "response": response,
+        "textured": textured,
+        "keep": keep,
+        "surface": surface,
+        **tagged,
+    }
+
+
+def wanted(sizes: list[Size], centre: dict[str, Any]) -> tuple[Array, Words, Words]:
+    """Numbers of the centres that are candidates; their surfaces, and all notes, the frames' ends among them."""
+    chosen = np.flatnonzero(centre["corner"] & centre["keep"])
+    surfaces = pack(SURFACE, {name: values[chosen] for name, values in centre["surface"].items()})
+    x = np.concatenate([np.tile(np.arange(width), height) for height, width in sizes]) + MARGIN
+    y = np.concatenate([np.repeat(np.arange(height), width) for height, width in sizes]) + MARGIN
+    notes = {field: centre[field] for field in ("response", "textured")} | {"x": x, "y": y, "end": 0 * x}
+    notes = {field: values[chosen] for field, values in notes.items()}
+    ends = np.searchsorted(chosen, np.flatnonzero(centre["eof"]), side="right")
+    # of an end's note nothing but the mark counts
+    notes = {field: np.insert(values, ends, int(field == "end")) for field, values in notes.items()}
+    return chosen, surfaces, pack(note_layout(PARAMETERS), notes)
 
 
 def check(
@@ -22,62 +120,29 @@ def check(
     stalls: Stalls = NO_STALLS,
     chances: tuple[float, float, float] = (0.2, 0.4, 0.7),
 ) -> Capture:
-    """Frames of so many window centres, random ones of them corners, textured, and kept."""
-    rng = np.random.default_rng(len(sizes))
-    tagged = tags(sizes)
-    total = len(tagged["eol"])
-    corner, textured, keep = (rng.random(total) < chance for chance in chances)
-    patches = rng.integers(0, FULL, (total, 3, 3), endpoint=True)
-    block = CandidateSelection(PARAMETERS)
-    beats = {
-        "corners": pack(
-            block.corners.payload.shape(), {"data": {"corner": corner, "patch": patches}, **tagged}
-        ),
-        "textures": pack(
-            block.textures.payload.shape(), {"data": {"textured": textured, "keep": keep}, **tagged}
-        ),
-    }
+    centre = centres(sizes, chances)
+    chosen, surfaces, expected = wanted(sizes, centre)
     quiet = 20 * int(1 / ((1 - stalls.inputs) * (1 - stalls.outputs))) + 200
-    capture = engine(name, CandidateSelection, PARAMETERS).run(Stimulus(beats, [], stalls), quiet=quiet)
+    capture = engine(name, InStep).run(Stimulus({"i": pack(CENTRE, centre)}, [], stalls), quiet=quiet)
     notes = unpack(note_layout(PARAMETERS), capture.outputs["note"])
-    is_corner = notes["end"] == 0
-
-    # each candidate's note and patch, and between them the frames' ends
-    chosen = np.flatnonzero(corner & keep)
-    x = np.concatenate([np.tile(np.arange(width), height) for height, width in sizes]) + MARGIN
-    y = np.concatenate([np.repeat(np.arange(height), width) for height, width in sizes]) + MARGIN
-    expected = {"x": x, "y": y, "response": patches[:, 1, 1], "textured": textured, "end": 0 * x}
-    expected = {field: values[chosen] for field, values in expected.items()}
-    same(
-        "note",
-        pack(note_layout(PARAMETERS), {field: values[is_corner] for field, values in notes.items()}),
-        pack(note_layout(PARAMETERS), expected),
-    )
-    same(
-        "patch",
-        capture.outputs["patch"][is_corner],
-        pack(block.patch.payload.shape(), patches[chosen]),
-    )
-    frame_ends = np.flatnonzero(tagged["eof"])
-    before = np.searchsorted(chosen, frame_ends, side="right")
-    assert np.array_equal(np.flatnonzero(~is_corner), before + np.arange(len(sizes)))
+    # of an end's note nothing but the mark counts
+    marked = {field: values * (1 - notes["end"]) for field, values in notes.items()} | {"end": notes["end"]}
+    same("note", pack(note_layout(PARAMETERS), marked), expected)
+    same("candidate", capture.outputs["candidate"], surfaces)
+    assert not len(capture.outputs["broken"])
+    if not stalls.outputs:
+        # room for everything: each at once
+        accepted, is_end = capture.input_clocks["i"], notes["end"] == 1
+        latency = CandidateSelection.latency
+        assert np.array_equal(capture.output_clocks["candidate"], accepted[chosen] + latency)
+        assert np.array_equal(capture.output_clocks["note"][~is_end], accepted[chosen] + latency)
+        frame_ends = np.flatnonzero(centre["eof"])
+        assert np.array_equal(capture.output_clocks["note"][is_end], accepted[frame_ends] + latency + 1)
     if stalls == NO_STALLS:
-        check_clocks(capture, chosen, frame_ends, is_corner)
+        # full rate, but for the clock that is missing between frames
+        waits = np.diff(accepted) - 1
+        assert (waits[frame_ends[:-1]] == 1).all() and waits.sum() == len(frame_ends) - 1
     return capture
-
-
-def check_clocks(capture: Capture, chosen: Array, frame_ends: Array, is_corner: Array) -> None:
-    accepted = capture.input_clocks["corners"]
-    latency = CandidateSelection.latency
-    for stream in ("note", "patch"):
-        clocks = capture.output_clocks[stream]
-        assert np.array_equal(clocks[is_corner], accepted[chosen] + latency)
-        expected_ends = accepted[frame_ends] + latency + CandidateSelection.END_DELAY
-        assert np.array_equal(clocks[~is_corner], expected_ends)
-    # full rate, but for the frame's end: the first eight columns of the next frame make no window anyway
-    waits = np.diff(accepted) - 1
-    assert (waits[frame_ends[:-1]] == CandidateSelection.END_DELAY).all()
-    assert waits.sum() == CandidateSelection.END_DELAY * (len(frame_ends) - 1)
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
@@ -102,5 +167,48 @@ def test_places_to_the_built_maximum() -> None:
     assert notes["x"][corners].min() == notes["y"][corners].min() == MARGIN
 
 
+@pytest.mark.parametrize("chances", [(1, 0.5, 1), (0.5, 0.5, 1), (0, 0, 0)], ids=str)
+@pytest.mark.parametrize(
+    "stalls", [Stalls(outputs=p, seed=s) for s, p in enumerate((0.5, 0.9, 0.98))], ids=str
+)
+def test_full_queues_lose_nothing(chances: tuple[float, float, float], stalls: Stalls) -> None:
+    """Far more candidates than are taken, in frames of every small size: ends meet queues of every filling."""
+    sizes = [(1, 1)] * 60 + [(1, width) for width in range(1, 40)] + [(2, 9)] * 30
+    check(sizes, stalls=stalls, chances=chances)
+
+
+@pytest.mark.parametrize("sink", ["candidate", "note"])
+def test_a_blocked_output_stops_the_input_and_not_the_other_output(sink: str) -> None:
+    """It goes on until the queue is nearly full, and what has gone in by then comes out on the other side."""
+    dut = InStep()
+    depth = {"candidate": CANDIDATES, "note": NOTES}[sink]
+    other = dut.note if sink == "candidate" else dut.candidate
+
+    async def bench(ctx: Any) -> None:
+        ctx.set(dut.i.valid, 1)
+        ctx.set(dut.i.payload.corner, 1)
+        ctx.set(dut.i.payload.keep, 1)
+        ctx.set(other.ready, 1)
+        taken = out = 0
+        for clock in range(4 * NOTES):
+            ctx.set(dut.i.payload.response, taken)
+            taken += ctx.get(dut.i.ready)
+            out += ctx.get(other.valid)
+            if clock >= 2 * NOTES:
+                assert not ctx.get(dut.i.ready)
+            await ctx.tick()
+        assert depth - 4 < taken <= depth and out == taken
+        # and on again, once it is free
+        ctx.set(getattr(dut, sink).ready, 1)
+        for _ in range(depth):
+            await ctx.tick()
+        assert ctx.get(dut.i.ready)
+
+    simulator = Simulator(dut)
+    simulator.add_clock(1e-8)
+    simulator.add_testbench(bench)
+    simulator.run()
+
+
 def test_latency() -> None:
-    assert (CandidateSelection.latency, CandidateSelection.END_DELAY) == (1, 2)
+    assert CandidateSelection.latency == 2
