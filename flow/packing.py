@@ -133,7 +133,7 @@ class _Packing:
         self._readers: dict[Bit, dict[str, None]] = {}
         # nets that something else than data and carry inputs of logic cells reads
         self._elsewhere: set[Bit] = set()
-        self._changed: set[str] = set()
+        self._changed = False
         for port in module["ports"].values():
             if port["direction"] != "input":
                 self._elsewhere.update(port["bits"])
@@ -146,9 +146,10 @@ class _Packing:
                     self._elsewhere.update(bits)
 
     def run(self) -> None:
-        before = None
-        while before != len(self._cells):
-            before = len(self._cells)
+        """Apply all rules until none of them changes anything."""
+        self._changed = True
+        while self._changed:
+            self._changed = False
             for rule in (self._drop, self._off_the_chain, self._onto_the_chain, self._before, self._behind):
                 for name in list(self._cells):
                     if name in self._cells:
@@ -164,8 +165,8 @@ class _Packing:
             self._readers.setdefault(read, {})[name] = None
 
     def _remove(self, name: str) -> Cell:
+        self._changed = True
         cell = self._cells.pop(name)
-        self._changed.add(name)
         for net in (cell.combout, cell.cout):
             self._drivers.pop(net, None)
         for read in cell.reads:
@@ -279,14 +280,29 @@ class _Packing:
         table = self._cells[reader]
         if table.sum is None or table.carry or table.cin in table.reads:
             return
+        # what depends on the carry must not come back into the cell that makes it
+        if cell.carry and self._depend(table.reads - {cell.combout}, name):
+            return
         joined = Cell(table.with_table(cell).sum, cell.carry, table.combout, cell.cin, cell.cout)
         if joined.fits:
             self._remove(reader)
             self._replace(name, joined)
 
+    def _depend(self, nets: set[int], name: str) -> bool:
+        """Whether any of the nets comes from a cell, directly or through other tables."""
+        seen: set[str] = set()
+        waiting = list(nets)
+        while waiting:
+            driver = self._drivers.get(waiting.pop())
+            if driver is not None and driver not in seen:
+                seen.add(driver)
+                waiting += self._cells[driver].reads
+        return name in seen
+
     def _write(self) -> None:
+        # all of them: what a cell does not depend on may be gone
         cells = self._module["cells"]
-        for name in self._changed:
+        for name in [name for name, cell in cells.items() if cell["type"] == LUT]:
             if name in self._cells:
                 _write_cell(cells[name], self._cells[name])
             else:
