@@ -16,7 +16,7 @@ from typing import Any
 
 from amaranth.back import rtlil
 
-from flow.ecp5 import RULES, SCRIPT, relaxed, use_output_registers
+from flow.ecp5 import RULES, SCRIPT, relaxed
 from flow.verilog import MODULE
 from flow.yowasp import ToolError, run, run_yosys
 from golden import Parameters
@@ -99,10 +99,6 @@ def place_and_route(parameters: Parameters, *, seed: int = 1, speed: int = 6) ->
         for rule in RULES:
             (folder / rule).write_text((files("flow") / "ecp5" / rule).read_text("utf-8"), encoding="utf-8")
         run_yosys(SCRIPT.format(top=MODULE), folder)
-        mapped = folder / "mapped.json"
-        netlist = json.loads(mapped.read_text(encoding="utf-8"))
-        use_output_registers(netlist["modules"][MODULE])
-        mapped.write_text(json.dumps(netlist), encoding="utf-8")
         arguments = [
             *("--45k", "--package", PACKAGE, "--speed", str(speed), "--json", "mapped.json"),
             *("--out-of-context", "--freq", str(AIM_MHZ), "--timing-allow-fail", "--seed", str(seed)),

@@ -91,6 +91,9 @@ class Parameters:
         Changes memory and delay, never a record.
     sqrt_bits_per_stage
         Result bits per pipeline stage of the square root, 1 to 17. Hardware only.
+    queue_depth
+        Corners that can wait for the subpixel refinement, 8 to 1024, before the input has to. Hardware only:
+        changes delays, never a record.
 
     Raises
     ------
@@ -107,6 +110,7 @@ class Parameters:
     patches: Patches = "regions"
     buffering: Buffering = "banked"
     sqrt_bits_per_stage: int = 1
+    queue_depth: int = 16
 
     def __post_init__(self) -> None:
         for field, low, high in (
@@ -114,6 +118,7 @@ class Parameters:
             ("max_width", SUPPORT, MAX_SIDE),
             ("max_height", SUPPORT, MAX_SIDE),
             ("sqrt_bits_per_stage", 1, 17),
+            ("queue_depth", 8, 1024),
         ):
             _plain_integer(self, field, low, high)
         _check_choice("gradient", self.gradient, Gradient)

@@ -31,8 +31,6 @@ class Surface(NamedTuple):
 
 MANTISSA_BITS = 10
 """Bits of the curvatures and slopes, beside their sign, that go into the products of Eq. 13."""
-DROPPED_BITS = 4
-"""Low bits of these sums of products that the division does without."""
 
 
 class Derivatives(NamedTuple):
@@ -152,12 +150,12 @@ def peak(values: Derivatives, bits: int, printed: bool = False) -> Offset:
     maximum: Eqs. 11 and 12 turn nearly every corner into a surface without one. It is clamped all the same.
     """
     xx, yy, xy, x, y = mantissas(values, bits)
-    denominator = (xx * yy - xy * xy) >> DROPPED_BITS
+    denominator = xx * yy - xy * xy
     usable = denominator != 0 if printed else (xx >= 0) & (denominator > 0)
     divisor = np.where(usable, np.abs(denominator), 1)
 
     def quotient(products: Int64) -> tuple[Int64, NDArray[np.bool_]]:
-        numerator = np.where(usable, np.sign(denominator) * (products >> DROPPED_BITS), 0)
+        numerator = np.where(usable, np.sign(denominator) * products, 0)
         return divide(numerator, divisor), 2 * np.abs(numerator) >= divisor
 
     dx, beyond_x = quotient(yy * (xy if printed else x) + xy * y)

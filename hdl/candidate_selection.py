@@ -29,10 +29,8 @@ def note_layout(parameters: Parameters) -> data.StructLayout:
     )
 
 
-CANDIDATES = 16
-"""Candidates that can wait for the subpixel refinement."""
-NOTES = 20
-"""Notes of those that wait, and of those inside the refinement."""
+_INSIDE = 4
+"""Candidates inside the subpixel refinement and at its end: their notes wait too."""
 
 
 class CandidateSelection(wiring.Component):
@@ -74,9 +72,9 @@ class CandidateSelection(wiring.Component):
         )
 
     def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        m.submodules.candidates = candidates = Queue(derivatives_layout(self._parameters), CANDIDATES)
-        m.submodules.notes = notes = Queue(note_layout(self._parameters), NOTES)
+        m, p = Module(), self._parameters
+        m.submodules.candidates = candidates = Queue(derivatives_layout(p), p.queue_depth)
+        m.submodules.notes = notes = Queue(note_layout(p), p.queue_depth + _INSIDE)
         wiring.connect(m, candidates.o, wiring.flipped(self.candidate))
         wiring.connect(m, notes.o, wiring.flipped(self.note))
 

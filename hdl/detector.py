@@ -114,13 +114,19 @@ class Detector(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Clocks from a frame's last pixel to its end-of-frame record, ``lean``, unstalled, no corner in the way.
+        """Clocks from a frame's last pixel to its end-of-frame record, ``lean`` and unstalled.
 
-        Corners near the frame's end go first: up to ``subpixel.interval`` clocks for each that waits. With
-        ``banked`` buffers the time to read out the last row comes on top: see :meth:`frame_latency`.
+        Corners go first: one near the frame's end, or several that still wait, can add up to
+        :attr:`refinement_latency`. With ``banked`` buffers the time to read out the last row comes on top: see
+        :meth:`frame_latency`.
         """
         # the end is noted a clock after the last window
         return sum(block.latency for block in self.blocks.values()) + 1
+
+    @property
+    def refinement_latency(self) -> int:
+        """Most clocks that a frame's end waits for corners: for a full queue, those in the refinement, and its phase."""
+        return (self._parameters.queue_depth + 1) * self._subpixel.interval + self._subpixel.latency
 
     def frame_latency(self, width: int) -> int:
         """Clocks from a frame's last pixel to its end-of-frame record, unstalled, for either buffering."""

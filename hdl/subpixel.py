@@ -12,7 +12,7 @@ from amaranth.lib.wiring import In, Out
 
 from golden.divider import QUOTIENT_BITS
 from golden.parameters import OFFSET_BITS, Parameters
-from golden.subpixel import DROPPED_BITS, MANTISSA_BITS, Derivatives, derivative_bits
+from golden.subpixel import MANTISSA_BITS, Derivatives, derivative_bits
 from hdl.arithmetic import add_with_carry
 from hdl.divider import Divider
 from hdl.surface import FORMATS, derivatives_layout
@@ -44,7 +44,7 @@ class Subpixel(wiring.Component):
         self._formats = FORMATS[parameters.fit]
         self._shifts = max(derivative_bits(parameters) - MANTISSA_BITS, 0)
         # sums of two products, each below 2**(2·MANTISSA_BITS)
-        self._quotient_bits = 2 * MANTISSA_BITS + 1 - DROPPED_BITS
+        self._quotient_bits = 2 * MANTISSA_BITS + 1
         self._dividers = {axis: Divider(self._quotient_bits) for axis in "xy"}
         super().__init__(
             {
@@ -135,7 +135,7 @@ class Subpixel(wiring.Component):
             ("denominator", "xx", "yy", "xy"),
         ):
             high = Signal(signed(MANTISSA_BITS + 3), name=f"{name}_high", reset_less=True)
-            low = Signal(MANTISSA_BITS + 1 - DROPPED_BITS, name=f"{name}_low", reset_less=True)
+            low = Signal(MANTISSA_BITS + 1, name=f"{name}_low", reset_less=True)
             # the sign bit of xy counts negative; xx and yy have none where the result is used
             subtract = inverted_sign if name == "denominator" else sign
             added = kept[factor].as_unsigned() & scanned[first][0].replicate(MANTISSA_BITS + 1)

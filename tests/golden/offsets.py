@@ -3,8 +3,7 @@
 Mantissas are whole numbers: each stands for a value less than one above it, so that a Hessian H = [[xx, -xy],
 [-xy, yy]] of mantissas is off by E with norm 2 at most, and slopes by e with norm sqrt(2). With q the peak by H and p
 the exact one, H (q - p) = E p - e, and so |q - p| <= (sqrt(2) + 2 |p|) / l with l the smaller eigenvalue of H. Values
-of MANTISSA_BITS or less are not cut, and exact. Then, products are cut to multiples of 2**DROPPED_BITS, which moves a
-quotient n/d by less than 2**DROPPED_BITS (1 + |n/d|) / d, and the quotient is rounded to 1/128.
+of MANTISSA_BITS or less are not cut, and exact. The quotient is rounded to 1/128.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from golden.parameters import Parameters
 from golden.preprocessing import IntArray
-from golden.subpixel import DROPPED_BITS, FITS, MANTISSA_BITS, derivative_bits, derivatives, mantissas
+from golden.subpixel import FITS, MANTISSA_BITS, derivative_bits, derivatives, mantissas
 
 Float64 = NDArray[np.float64]
 
@@ -31,35 +30,30 @@ class Peaks(NamedTuple):
 
 def exact_peaks(patches: IntArray, parameters: Parameters) -> Peaks:
     """By exact sums and float64 quotients, of (n, 3, 3) responses."""
-    x, y, maximum, _ = _peaks(*derivatives(FITS[parameters.fit](patches)))
+    x, y, maximum = _peaks(*derivatives(FITS[parameters.fit](patches)))
     return Peaks(np.clip(x, -0.5, 0.5), np.clip(y, -0.5, 0.5), maximum)
 
 
 def bounds(patches: IntArray, parameters: Parameters) -> Float64:
     """How far the golden model's offset may be from the exact one, along either axis; inf if no maximum is sure."""
     values = derivatives(FITS[parameters.fit](patches))
-    x, y, _, _ = _peaks(*values)
+    x, y, _ = _peaks(*values)
     cut = np.maximum.reduce([np.where(v < 0, ~v, v) for v in values]) >= 1 << MANTISSA_BITS
     mantissa = mantissas(values, derivative_bits(parameters))
-    qx, qy, maximum, denominator = _peaks(*mantissa)
+    _, _, maximum = _peaks(*mantissa)
     xx, yy, xy, *_ = (value.astype(np.float64) for value in mantissa)
     smaller = (xx + yy - np.hypot(xx - yy, 2 * xy)) / 2
-    unit = 1 << DROPPED_BITS
     # the exact Hessian's eigenvalues are at most 2 from those of the mantissas
-    sure = maximum & (denominator >= unit) & (smaller > 2 * cut)
+    sure = maximum & (smaller > 2 * cut)
     with np.errstate(divide="ignore", invalid="ignore"):
         by_cut = cut * (np.sqrt(2) + 2 * np.hypot(x, y)) / smaller
-        # |n'/d'| of what is left of the products
-        left = np.floor(denominator / unit)
-        reach = np.maximum(np.abs(qx), np.abs(qy)) * (denominator / unit) / left + 1 / left
-        by_dropped = unit * (1 + reach) / denominator
-        return np.where(sure, by_cut + by_dropped + 1 / 256, np.inf)
+    return np.where(sure, by_cut + 1 / 256, np.inf)
 
 
 def _peaks(
     xx: IntArray, yy: IntArray, xy: IntArray, x: IntArray, y: IntArray
-) -> tuple[Float64, Float64, NDArray[np.bool_], IntArray]:
-    """x and y of Eq. 13, whether it is a maximum, and the denominator; x = y = 0 where it is none."""
+) -> tuple[Float64, Float64, NDArray[np.bool_]]:
+    """x and y of Eq. 13, and whether it is a maximum; x = y = 0 where it is none."""
     denominator = xx * yy - xy * xy
     maximum = (xx > 0) & (denominator > 0)
     divisor = np.where(maximum, denominator, 1)
@@ -67,5 +61,4 @@ def _peaks(
         np.where(maximum, (yy * x + xy * y) / divisor, 0.0),
         np.where(maximum, (xx * y + xy * x) / divisor, 0.0),
         maximum,
-        denominator,
     )

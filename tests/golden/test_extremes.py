@@ -15,7 +15,7 @@ from golden.convolution import smooth
 from golden.detector import response_map
 from golden.parameters import Fit, Gradient, Patches
 from golden.preprocessing import gradients, products
-from golden.subpixel import DROPPED_BITS, FITS, MANTISSA_BITS, derivative_bits, derivatives, mantissas
+from golden.subpixel import FITS, MANTISSA_BITS, derivative_bits, derivatives, mantissas
 from golden.texture_filter import texturization
 
 SIDE = 36
@@ -142,4 +142,4 @@ def test_every_number_of_the_subpixel_refinement_keeps_its_width(pixel_bits: int
     assert -top <= min(int(value.min()) for value in cut)
     assert top // 2 <= max(int(value.max()) for value in cut) < top
     for total in (xx * yy - xy * xy, yy * x + xy * y, xx * y + xy * x):
-        assert int(np.abs(total >> DROPPED_BITS).max()) < 1 << (2 * MANTISSA_BITS + 1 - DROPPED_BITS)
+        assert int(np.abs(total).max()) < 1 << (2 * MANTISSA_BITS + 1)

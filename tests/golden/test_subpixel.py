@@ -16,7 +16,6 @@ from golden.corner_detection import corner_detection
 from golden.detector import response_map
 from golden.parameters import Fit, Parameters, Settings, profile
 from golden.subpixel import (
-    DROPPED_BITS,
     MANTISSA_BITS,
     Derivatives,
     Surface,
@@ -218,13 +217,6 @@ def test_mantissas_equal_their_definition_whatever_the_width(rows: list[tuple[in
     assert np.array(seen).T.tolist() == [cut_to_ten_bits(row) for row in rows]
 
 
-def test_low_bits_that_are_dropped_decide_whether_there_is_a_maximum() -> None:
-    """xx·yy - xy² is 20, of which 1 is left, and 4, of which nothing is."""
-    assert (MANTISSA_BITS, DROPPED_BITS) == (10, 4)
-    assert outcome(surface(-489, -1, 44, 0, 0)) == (0, 0, False, False)
-    assert outcome(surface(-485, -1, 44, 0, 0)) == (0, 0, False, True)
-
-
 def limited_quotient(numerator: int, denominator: int) -> tuple[int, bool]:
     """Nearest multiple of 1/128, halves away from zero, and whether it was one half or more."""
     magnitude = Fraction(abs(numerator), denominator)
@@ -237,10 +229,8 @@ def test_peak_equals_the_exact_quotient_of_the_mantissas(rows: list[tuple[int, .
     offset = peak(Derivatives(*np.array(rows).T), BITS, printed=printed)
     for k, row in enumerate(rows):
         xx, yy, xy, x, y = cut_to_ten_bits(row)
-        denominator, by_x, by_y = (
-            total // 16
-            for total in (xx * yy - xy * xy, yy * (xy if printed else x) + xy * y, xx * y + xy * x)
-        )
+        denominator = xx * yy - xy * xy
+        by_x, by_y = yy * (xy if printed else x) + xy * y, xx * y + xy * x
         assert offset.not_maximum[k] == (denominator == 0 if printed else not (xx >= 0 and denominator > 0))
         if offset.not_maximum[k]:
             assert offset.dx[k] == offset.dy[k] == 0 and not offset.clamped[k]
