@@ -10,12 +10,13 @@ ARGS ?=
 CORE := $(VENV)/.installed-core
 TEST := $(VENV)/.installed-test
 EVAL := $(VENV)/.installed-eval
-SOURCES := $(wildcard golden/*.py hdl/*.py flow/*.py)
+SYNTH := $(VENV)/.installed-synth
+SOURCES := $(wildcard golden/*.py hdl/*.py flow/*.py flow/quartus/*.py flow/quartus/templates/*)
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
-.PHONY: all verilog run test lint bench clean distclean help
+.PHONY: all verilog run export synth tables test lint bench clean distclean help
 
 all: verilog run  ## the Verilog of the default core, and a photograph through the simulated hardware
 
@@ -26,6 +27,15 @@ $(BUILD)/cornerstream.v: $(SOURCES) | $(CORE)
 
 run: | $(CORE)  ## simulate IMAGE=photo.jpg (default: scikit-image's camera); more options in ARGS=
 	$(BIN)/cornerstream simulate $(if $(IMAGE),"$(IMAGE)") --output $(BUILD) $(ARGS)
+
+export: | $(CORE)  ## build/quartus: the core with a Quartus project for Cyclone IV GX
+	$(BIN)/cornerstream export --output $(BUILD)/quartus --force $(ARGS)
+
+synth: | $(SYNTH)  ## area on Cyclone IV by block, clock frequency on ECP5 as a stand-in
+	$(BIN)/cornerstream synth $(ARGS)
+
+tables: | $(SYNTH)  ## every figure of docs/comparison.md, measured anew: half an hour and more
+	$(BIN)/cornerstream tables $(ARGS)
 
 test: lint  ## ruff, mypy and all tests; options for pytest in ARGS=
 	$(BIN)/python -m pytest -n auto $(ARGS)
@@ -66,6 +76,10 @@ $(CORE): pyproject.toml | $(BIN)/python
 
 $(TEST): pyproject.toml | $(CORE)
 	$(PIP) --editable '.[test]'
+	@touch $@
+
+$(SYNTH): pyproject.toml | $(CORE)
+	$(PIP) --editable '.[synth]'
 	@touch $@
 
 $(EVAL): pyproject.toml | $(CORE)

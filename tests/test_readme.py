@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 
 from cornerstream.cli import main
 from golden import Settings, detect, profile
-from golden.divider import worst_error
-from hdl.candidate_selection import CandidateSelection
 from hdl.circular_buffer import CircularBuffer
 from hdl.detector import Detector
-from tests.photographs import photograph
+from hdl.subpixel import Subpixel
+from tests.photographs import PHOTOGRAPHS, photograph
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 
@@ -34,9 +33,8 @@ def test_latency_table(buffering: str, column: int) -> None:
     detector = Detector(profile("paper", buffering=buffering))
     for name, block in detector.blocks.items():
         assert rows(name)[column] == str(block.latency)
-    assert rows("end delay")[column] == str(CandidateSelection.END_DELAY)
     total = rows("**end of frame**")[column]
-    fixed, per_width = (87, 3) if buffering == "banked" else (89, 0)
+    fixed, per_width = (42, 2) if buffering == "banked" else (44, 0)
     assert total == (f"{fixed} + {per_width}·width" if per_width else str(fixed))
     for width in (15, 100, 1920):
         assert detector.frame_latency(width) == fixed + per_width * width
@@ -52,9 +50,21 @@ def test_memory_bits() -> None:
     assert f"{round(100 * lean / banked)} % of the memory" in README
 
 
-def test_divider_error() -> None:
-    stated = re.search(r"off by at most (0\.\d+) pixel", README)
-    assert stated and worst_error() <= float(stated[1]) < worst_error() + 1e-4
+def test_refinement() -> None:
+    subpixel = Subpixel(profile("paper"))
+    assert f"one at a time, {subpixel.interval} clocks each" in README
+    assert f"leaves it {subpixel.latency} clocks later" in README
+    assert f"{profile('paper').queue_depth} can wait" in README
+
+
+def test_no_photograph_is_denser_than_stated() -> None:
+    stated = re.search(r"Photographs stay below every (\d+)th", README)
+    assert stated
+    everything = Settings(sigma1=0, floor=1, sigma2=15, report_rejected=True)
+    most = max(
+        len(detect(image, settings=everything)) / image.size for image in map(photograph, PHOTOGRAPHS)
+    )
+    assert int(1 / most) >= int(stated[1])
 
 
 def bright_square(degrees: float) -> NDArray[np.uint8]:
