@@ -58,7 +58,10 @@ def _registers_behind(module: Module, memory: Cell, port: str) -> None:
         return
     enables = {register["ena"] for register in found}
     if len(enables) > 1 or any(
-        register["sclr"] != "0" or register["sload"] != "0" or register.parameter("power_up") != "low"
+        register["sclr"] != "0"
+        or register["sload"] != "0"
+        or register["clk"] != memory["clock0"]
+        or register.parameter("power_up") != "low"
         for register in found
     ):
         return

@@ -44,12 +44,12 @@ wreduce
 techmap -map operators.v t:$add t:$sub
 share
 opt
-tee -q -o multipliers.txt dump t:$mul
+tee -q -o multipliers.txt dump -m t:$mul
 memory -nomap
 opt_clean
-tee -q -o memories.txt dump t:$mem_v2
+tee -q -o memories.txt dump -m t:$mem_v2
 memory_libmap -lib memory.txt
-tee -q -o left.txt dump t:$mem_v2
+tee -q -o left.txt dump -m t:$mem_v2
 techmap -map memory.v
 opt -fast -mux_undef -undriven -fine
 memory_map
