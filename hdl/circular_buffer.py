@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-from amaranth.hdl import Array, Cat, Module, Shape, ShapeLike, Signal
+from amaranth.hdl import Array, Cat, Module, Mux, Shape, ShapeLike, Signal
 from amaranth.lib import stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
@@ -137,8 +137,11 @@ class CircularBuffer(wiring.Component):
         complete = rows_seen == self._rows - 1
         spare = write_bank == following(read_newest)
         next_bank = following(write_bank)
-        allowed = (~reading | spare | (write_x < read_x)) & ~(pending & self.i.payload.eol)
+        behind = Signal()
+        allowed = (~reading | spare | behind) & ~(pending & self.i.payload.eol)
         step, row_done = Signal(), Signal()
+        # a clock ahead, so that the comparison is no part of the handshake: neither moves by more than one
+        m.d.sync += behind.eq(Mux(row_done, read_x != 0, write_x + 1 < read_x) & ~last_read)
         m.d.comb += [
             self.i.ready.eq(allowed),
             step.eq(self.i.valid & self.i.ready),
