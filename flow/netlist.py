@@ -211,6 +211,17 @@ def packed_pairs(module: Module) -> int:
     return len(driven & {cell["combout"] for cell in module.of_kind(LUT)} - {"x", "0", "1"})
 
 
+def own_area(json: Json) -> Area:
+    """What the cells of a module take that can be counted in the netlist, without modules inside."""
+    module = Module(json)
+    return Area(
+        lut4=len(module.of_kind(LUT)),
+        ff=len(module.of_kind(FLIP_FLOP)),
+        packed_pairs=packed_pairs(module),
+        m9k=len(module.of_kind(MEMORY)),
+    )
+
+
 def area_tree(netlist: Json, top: str, memory_bits: dict[str, int], multipliers: dict[str, int]) -> Block:
     """Area of the top module and of each instance below it.
 
@@ -219,21 +230,15 @@ def area_tree(netlist: Json, top: str, memory_bits: dict[str, int], multipliers:
     modules = netlist["modules"]
 
     def block(name: str, kind: str) -> Block:
-        module = Module(modules[kind])
-        inside = [cell for cell in module.cells.values() if cell.kind not in PRIMITIVES]
-        foreign = {cell.kind for cell in inside if cell.kind not in modules}
+        cells = {instance: cell["type"] for instance, cell in modules[kind]["cells"].items()}
+        inside = {instance: module for instance, module in cells.items() if module not in PRIMITIVES}
+        foreign = set(inside.values()) - set(modules)
         if foreign:
             raise ValueError(
                 f"module {kind} holds cells that the map does not know: {', '.join(sorted(foreign))}"
             )
-        own = Area(
-            lut4=len(module.of_kind(LUT)),
-            ff=len(module.of_kind(FLIP_FLOP)),
-            packed_pairs=packed_pairs(module),
-            m9k=len(module.of_kind(MEMORY)),
-            memory_bits=memory_bits.get(kind, 0),
-            multipliers=multipliers.get(kind, 0),
-        )
-        return Block(name, own, tuple(block(cell.name, cell.kind) for cell in inside))
+        declared = Area(memory_bits=memory_bits.get(kind, 0), multipliers=multipliers.get(kind, 0))
+        blocks = tuple(block(instance, module) for instance, module in inside.items())
+        return Block(name, own_area(modules[kind]) + declared, blocks)
 
     return block(top, top)

@@ -14,7 +14,7 @@ from amaranth.back import rtlil
 from amaranth.lib import wiring
 
 from flow.area import Area, Block
-from flow.netlist import PRIMITIVES, area_tree
+from flow.netlist import PRIMITIVES, Json, area_tree, own_area
 from flow.refine import refine
 from flow.verilog import MODULE
 from flow.yowasp import run_yosys
@@ -65,14 +65,22 @@ opt_expr -mux_undef
 simplemap
 opt_merge
 opt_clean
-abc -lut 4 -script {abc}
+design -save before_tables
+"""
+# from logic to tables, for area: shared where that saves some, even if a path becomes longer
+TABLES = """
+design -load before_tables
+abc -lut 4 -script +{script}
 clean
 techmap -map luts.v
 clean
-write_json mapped.json
+write_json mapped_{number}.json
 """
-# for area: tables are shared where that saves some, even if a path becomes longer
-ABC = "+strash;ifraig;scorr;&get,-n;&syn3;&syn4;&dch;&put;if,-a;mfs2;lutpack,-S,1"
+ABC = (
+    "strash;ifraig;scorr;&get,-n;&syn3;&syn4;&dch;&put;if,-a;mfs2;lutpack,-S,1",
+    "strash;ifraig;scorr;dc2;dch,-f;if,-a;mfs2;lutpack,-S,1",
+)
+"""None of these is the best for all blocks, so each block takes the best for it."""
 
 WRITE = """
 read_verilog -lib cells.v
@@ -136,11 +144,13 @@ def map_component(component: wiring.Component, top: str) -> tuple[Block, str]:
         (folder / "design.il").write_text(
             rtlil.convert(component, name=top, emit_src=False), encoding="utf-8"
         )
-        run_yosys(MAP.format(top=top, abc=ABC), folder)
-        netlist = json.loads((folder / "mapped.json").read_text(encoding="utf-8"))
-        refine(netlist)
-        for primitive in PRIMITIVES:
-            del netlist["modules"][primitive]
+        ways = "".join(TABLES.format(script=script, number=number) for number, script in enumerate(ABC))
+        run_yosys(MAP.format(top=top) + ways, folder)
+        mapped = [
+            json.loads((folder / f"mapped_{number}.json").read_text(encoding="utf-8"))
+            for number in range(len(ABC))
+        ]
+        netlist = _best(mapped)
         (folder / "refined.json").write_text(json.dumps(netlist), encoding="utf-8")
         run_yosys(WRITE.format(top=top), folder)
         netlist = json.loads((folder / "mapped.json").read_text(encoding="utf-8"))
@@ -150,6 +160,20 @@ def map_component(component: wiring.Component, top: str) -> tuple[Block, str]:
     for module, logic in _per_module(read["left"], _bits).items():
         bits[module] -= logic
     return area_tree(netlist, top, bits, _per_module(read["multipliers"], _elements)), verilog
+
+
+def _best(netlists: list[Json]) -> Json:
+    """Of netlists that differ in how their modules are mapped, each module where it is smallest, refined."""
+    for netlist in netlists:
+        refine(netlist)
+    modules = {
+        name: min(
+            (netlist["modules"][name] for netlist in netlists), key=lambda json: own_area(json).le_packed
+        )
+        for name in netlists[0]["modules"]
+        if name not in PRIMITIVES
+    }
+    return {**netlists[0], "modules": modules}
 
 
 def rule_text(name: str) -> str:
