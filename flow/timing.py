@@ -30,7 +30,9 @@ AIM_MHZ = 150
 
 # how Yosys names what it made of a signal: the signal, then the cells that were put after one another
 _MADE = re.compile(r"_(?:LUT4|TRELLIS|PFUMX|L6MUX21|CCU2C|DP16KD|\$lut|\$abc).*$")
-_DERIVED = re.compile(r"\$signal|\$\d+|\$$")
+# a name that no one gave: Yosys's and nextpnr's own, and Amaranth's for parts of expressions
+_DERIVED = re.compile(r"\$.*$")
+UNNAMED = "(unnamed)"
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ class Step:
     name
         The signal, as far as its name survived: that of the wire, or the one the cell was made of.
     kind
-        ``"clk-to-q"``, ``"logic"``, ``"routing"`` or ``"setup"``.
+        ``"clk-to-q"``, ``"logic"``, with the routing to what has the same name, ``"routing"`` or ``"setup"``.
     delay_ns
         Of this part alone.
     """
@@ -118,7 +120,7 @@ def read_report(report: dict[str, Any], *, speed: int, seed: int) -> Timing:
     paths = [path["path"] for path in report["critical_paths"] if path["from"] == path["to"] != "<async>"]
     return Timing(
         fmax_mhz=fmax["achieved"],
-        critical_path=tuple(_step(step) for step in paths[0]) if paths else (),
+        critical_path=_path(paths[0]) if paths else (),
         device=DEVICE,
         package=PACKAGE,
         speed=speed,
@@ -129,10 +131,18 @@ def read_report(report: dict[str, Any], *, speed: int, seed: int) -> Timing:
     )
 
 
-def _step(step: dict[str, Any]) -> Step:
-    return Step(given_name(step.get("net") or step["to"]["cell"]), step["type"], step["delay"])
+def _path(parts: list[dict[str, Any]]) -> tuple[Step, ...]:
+    """Steps of a path; what goes on under one name, such as a carry through a chain, is one step."""
+    steps: list[Step] = []
+    for part in parts:
+        step = Step(given_name(part.get("net") or part["to"]["cell"]), part["type"], part["delay"])
+        inner = ("logic", "routing")
+        if steps and steps[-1].name == step.name and step.kind in inner and steps[-1].kind in inner:
+            step = Step(step.name, "logic", steps.pop().delay_ns + step.delay_ns)
+        steps.append(step)
+    return tuple(steps)
 
 
 def given_name(name: str) -> str:
     """A net's or cell's name without what Yosys appended to the signal that it comes from."""
-    return _DERIVED.sub("", _MADE.sub("", name)) or name
+    return _DERIVED.sub(UNNAMED, _MADE.sub("", name))

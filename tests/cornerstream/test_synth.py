@@ -171,6 +171,8 @@ def test_report_of_nextpnr() -> None:
     parts = [
         part("clk-to-q", 0.5, "block.count_TRELLIS_FF_Q_3"),
         part("routing", 1.25, "block.full_LUT4_Z", net="block.count[2]"),
+        *(part("logic", 0.25, "block.full_CCU2C_S0") for _ in range(2)),
+        part("routing", 0.5, "block.full_LUT4_Z", net="block.full_CCU2C_CIN"),
         part("setup", 0.0, "block.full_TRELLIS_FF_Q"),
     ]
     report = {
@@ -189,6 +191,7 @@ def test_report_of_nextpnr() -> None:
     assert timing.critical_path == (
         Step("block.count", "clk-to-q", 0.5),
         Step("block.count[2]", "routing", 1.25),
+        Step("block.full", "logic", 1.0),
         Step("block.full", "setup", 0.0),
     )
     assert str(timing).startswith("123.5 MHz on ECP5")
@@ -202,7 +205,7 @@ def test_report_of_nextpnr() -> None:
         ("response.radicand.o__valid_LUT4_D", "response.radicand.o__valid"),
         ("a.b_PFUMX_Z_ALUT_LUT4_Z", "a.b"),
         ("plain", "plain"),
-        ("$signal$4", "$signal$4"),
+        ("block.$signal$4_LUT4_C", "block.(unnamed)"),
     ],
 )
 def test_names_are_those_that_were_given(name: str, given: str) -> None:
