@@ -1,7 +1,8 @@
 """Mapping to ECP5 as a stand-in: its block RAM used as Cyclone IV's M9K would be, for timing only.
 
 Yosys alone would build long rows out of wide, shallow blocks with multiplexers behind them, and put more of these
-where a block must give the old value of what is being written. Cyclone IV needs neither.
+where a block must give the old value of what is being written. Cyclone IV needs neither. And tables are mapped by
+abc, because abc9, Yosys's own choice, stops with an internal error on some of these designs.
 """
 
 from __future__ import annotations
@@ -15,7 +16,10 @@ read_rtlil design.il
 synth_ecp5 -top {top} -run begin:map_ram
 memory_libmap -lib memory.txt t:$mem_v2 r:WR_PORTS>0 %i r:SIZE>64 %i
 techmap -map memory.v
-synth_ecp5 -top {top} -run map_ram:
+synth_ecp5 -top {top} -run map_ram:map_luts
+abc -lut 4:7
+clean
+synth_ecp5 -top {top} -run map_cells:
 write_json mapped.json
 """
 """From ``design.il`` to ``mapped.json``, with the files :data:`RULES` beside."""
