@@ -125,7 +125,7 @@ class Detector(wiring.Component):
 
     @property
     def refinement_latency(self) -> int:
-        """Most clocks that a frame's end waits for corners: for a full queue, those in the refinement, and its phase."""
+        """Most clocks that a frame's end waits for corners: a full queue, and those in the refinement."""
         return (self._parameters.queue_depth + 1) * self._subpixel.interval + self._subpixel.latency
 
     def frame_latency(self, width: int) -> int:
