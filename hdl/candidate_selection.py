@@ -29,7 +29,7 @@ def note_layout(parameters: Parameters) -> data.StructLayout:
     )
 
 
-_INSIDE = 4
+INSIDE = 4
 """Candidates inside the subpixel refinement and at its end: their notes wait too."""
 
 
@@ -74,7 +74,7 @@ class CandidateSelection(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m, p = Module(), self._parameters
         m.submodules.candidates = candidates = Queue(derivatives_layout(p), p.queue_depth)
-        m.submodules.notes = notes = Queue(note_layout(p), p.queue_depth + _INSIDE)
+        m.submodules.notes = notes = Queue(note_layout(p), p.queue_depth + INSIDE)
         wiring.connect(m, candidates.o, wiring.flipped(self.candidate))
         wiring.connect(m, notes.o, wiring.flipped(self.note))
 

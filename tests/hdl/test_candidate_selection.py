@@ -13,7 +13,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.sim import Simulator
 
 from golden.parameters import MARGIN, Parameters
-from hdl.candidate_selection import CANDIDATES, NOTES, CandidateSelection, note_layout
+from hdl.candidate_selection import INSIDE, CandidateSelection, note_layout
 from hdl.surface import derivatives_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls, Stimulus
@@ -33,6 +33,9 @@ CENTRE = data.StructLayout(
         "eof": 1,
     }
 )
+
+CANDIDATES = Parameters().queue_depth
+NOTES = CANDIDATES + INSIDE
 
 
 class InStep(wiring.Component):
