@@ -174,6 +174,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         asked.append("clocks")
         return {"clocks_per_frame": 768, "corners": 3, "engine": "none"}
 
+    monkeypatch.setattr(figures, "PLACED", ((SMALLEST.width, SMALLEST.height),))
     monkeypatch.setattr(figures, "structure", structure)
     monkeypatch.setattr(figures, "area", area)
     monkeypatch.setattr(figures, "timing", timing)
