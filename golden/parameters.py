@@ -141,18 +141,27 @@ class Parameters:
         return self.pixel_max**2
 
     @property
-    def response_bits(self) -> int:
-        """Width of D and of the square root, unsigned."""
-        return 2 * self.pixel_bits + 1
-
-    @property
-    def response_max(self) -> int:
-        """Full scale of D: D <= A + B."""
-        return 2 * self.product_max
+    def root_bits(self) -> int:
+        """Width of A + B and of the square root, unsigned."""
+        return self.product_bits + 1
 
     @property
     def radicand_bits(self) -> int:
-        return 2 * self.response_bits
+        return 2 * self.root_bits
+
+    @property
+    def response_max(self) -> int:
+        """Full scale of D, twice the smaller eigenvalue of the tensor T: at most 2·uᵀTu for any unit vector u.
+
+        With u along an axis that is 2A or 2B. With u = (1, -1)/√2 it is A + B - 2C: where gradients are absolute
+        the mean of (|gx| - |gy|)², no more than one full product, and rounding A, B and C adds less than 2.
+        """
+        return self.product_max + 1 if self.gradient == "absolute" else 2 * self.product_max
+
+    @property
+    def response_bits(self) -> int:
+        """Width of D, unsigned."""
+        return self.response_max.bit_length()
 
     @property
     def pixels_per_region(self) -> int:
@@ -207,7 +216,7 @@ class Settings:
         _check_fraction("sigma2", self.sigma2, 1 << SIGMA2_INTEGER_BITS)
         _check_choice("reference", self.reference, Reference)
         # how large they may be depends on the detector: see check()
-        largest = Parameters(pixel_bits=MAX_PIXEL_BITS).response_max
+        largest = Parameters(pixel_bits=MAX_PIXEL_BITS, gradient="signed").response_max
         _plain_integer(self, "constant", 1, largest)
         _plain_integer(self, "floor", 1, largest)
 
@@ -215,9 +224,9 @@ class Settings:
     def default(cls, parameters: Parameters, **changes: Any) -> Settings:
         """Settings with ``constant`` and ``floor`` scaled to this detector's D, and ``changes`` applied.
 
-        1/16 and 1/128 of the range of D, which is what the class defaults are for 8-bit pixels.
+        1/16 and 1/128 of the range of A + B, which is what the class defaults are for 8-bit pixels.
         """
-        bits = parameters.response_bits
+        bits = parameters.root_bits
         return cls(**{"constant": 1 << (bits - 4), "floor": 1 << (bits - 7), **changes})
 
     def check(self, parameters: Parameters) -> None:

@@ -29,7 +29,7 @@ class Response(wiring.Component):
         x² = h²·4ⁿ + l² + 2hl·2ⁿ,   2hl = h² + l² - (h - l)²
 
     so that with Q, the sum over both numbers of h²·2ⁿ + l², and E, that of (h - l)², the radicand is
-    Q + (Q - E)·2ⁿ. A tensor smoothed from real pixels keeps it within 2·response_bits. A + B and the tags
+    Q + (Q - E)·2ⁿ. A tensor smoothed from real pixels keeps it within 2·root_bits. A + B and the tags
     wait in a delay line beside all this.
 
     Members
@@ -42,7 +42,8 @@ class Response(wiring.Component):
 
     def __init__(self, parameters: Parameters) -> None:
         self._half = parameters.pixel_bits
-        self._bits = parameters.response_bits
+        self._bits = parameters.root_bits
+        self._response = unsigned(parameters.response_bits)
         self._root = SquareRoot(self._bits, parameters.sqrt_bits_per_stage)
         # all but the last clock, which takes the difference
         self._line = DelayLine(self._bits + 2, RADICAND_LATENCY + self._root.latency)
@@ -51,7 +52,7 @@ class Response(wiring.Component):
         super().__init__(
             {
                 "i": In(stream.Signature(Beat(products_layout(parameters)))),
-                "o": Out(stream.Signature(Beat(unsigned(self._bits)))),
+                "o": Out(stream.Signature(Beat(self._response))),
             }
         )
 
@@ -79,9 +80,10 @@ class Response(wiring.Component):
         total, tags = line.o[: self._bits], line.o[self._bits :]
         difference = total - root.root
         # one clear of the whole register where D would be negative
+        clamped = Mux(difference[-1], 0, difference[: self._response.width])
         m.d.comb += [
             self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
-            self.o.payload.data.eq(pipe.register(Mux(difference[-1], 0, difference[:-1]), "clamped")),
+            self.o.payload.data.eq(pipe.register(clamped, "clamped")),
             Cat(self.o.payload.eol, self.o.payload.eof).eq(pipe.register(tags, "tags")),
         ]
         return m

@@ -15,6 +15,7 @@ from golden.convolution import smooth
 from golden.detector import response_map
 from golden.parameters import Fit, Gradient, Patches
 from golden.preprocessing import gradients, products
+from golden.response import response
 from golden.subpixel import FITS, MANTISSA_BITS, derivative_bits, derivatives, mantissas
 from golden.texture_filter import texturization
 
@@ -99,6 +100,27 @@ def test_clamp_of_the_response_is_reached_and_by_one_unit_only(gradient: Gradien
     assert unclamped.min() == -1
     responses = response_map(image, Parameters(gradient=gradient))
     assert (responses == np.maximum(unclamped, 0)).all()
+
+
+@pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
+def test_full_scale_of_absolute_gradients_is_half_of_all_products(pixel_bits: int) -> None:
+    """Tensors of every pair of gradients that smoothing may see, mixed at random: the half without C is most."""
+    parameters = Parameters(pixel_bits=pixel_bits)
+    top = parameters.pixel_max
+    rng = np.random.default_rng(pixel_bits)
+    kernel = np.outer([1, 2, 2, 2, 1], [1, 2, 2, 2, 1]).ravel()
+    largest_response = 0
+    for low in (0, top // 2, top - 2, top):
+        # in each of the 25 places one gradient large, the other small
+        large = rng.integers(low, top, (20_000, 25), endpoint=True)
+        small = rng.integers(0, top - low, (20_000, 25), endpoint=True)
+        turned = rng.random((20_000, 25)) < 0.5
+        gx, gy = np.where(turned, large, small), np.where(turned, small, large)
+        a, b, c = (
+            ((kernel * product).sum(axis=1) + 32) >> 6 for product in products(gx, gy, "absolute")
+        )
+        largest_response = max(largest_response, int(response(a, b, c).max()))
+    assert parameters.product_max - 1 <= largest_response <= parameters.response_max
 
 
 @pytest.mark.parametrize("pixel_bits", PIXEL_BITS)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import FrozenInstanceError
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from golden import check_image
-from golden.parameters import MAX_SIDE, PROFILES, Parameters, Settings, profile
+from golden.parameters import MAX_SIDE, PROFILES, Gradient, Parameters, Settings, profile
 
 RANGES = {
     "pixel_bits": (4, 10),
@@ -80,8 +80,15 @@ def test_reference() -> None:
 @pytest.mark.parametrize("field", ["constant", "floor"])
 def test_settings_are_checked_against_the_detector(field: str) -> None:
     other = {"constant": "floor", "floor": "constant"}[field]
-    for pixel_bits, limit in ((4, 450), (8, 130050), (10, 2093058)):
-        parameters = Parameters(pixel_bits=pixel_bits)
+    for pixel_bits, gradient, limit in (
+        (4, "absolute", 226),
+        (4, "signed", 450),
+        (8, "absolute", 65026),
+        (8, "signed", 130050),
+        (10, "absolute", 1046530),
+        (10, "signed", 2093058),
+    ):
+        parameters = Parameters(pixel_bits=pixel_bits, gradient=cast(Gradient, gradient))
         Settings(**{field: limit, other: 1}).check(parameters)
         if limit < 2093058:
             with pytest.raises(ValueError, match=f"^{field} is {limit + 1}; allowed: .* 1 to {limit}$"):
@@ -118,14 +125,15 @@ def test_sigma2_in_fixed_point(sigma: float, fixed: int) -> None:
         "pixel_max",
         "product_bits",
         "product_max",
-        "response_bits",
-        "response_max",
+        "root_bits",
         "radicand_bits",
+        "absolute",
+        "signed",
     ),
     [
-        (4, 15, 8, 225, 9, 450, 18),
-        (8, 255, 16, 65025, 17, 130050, 34),
-        (10, 1023, 20, 1046529, 21, 2093058, 42),
+        (4, 15, 8, 225, 9, 18, (8, 226), (9, 450)),
+        (8, 255, 16, 65025, 17, 34, (16, 65026), (17, 130050)),
+        (10, 1023, 20, 1046529, 21, 42, (20, 1046530), (21, 2093058)),
     ],
 )
 def test_number_formats_by_hand(
@@ -133,19 +141,24 @@ def test_number_formats_by_hand(
     pixel_max: int,
     product_bits: int,
     product_max: int,
-    response_bits: int,
-    response_max: int,
+    root_bits: int,
     radicand_bits: int,
+    absolute: tuple[int, int],
+    signed: tuple[int, int],
 ) -> None:
-    parameters = Parameters(pixel_bits=pixel_bits)
-    assert (parameters.pixel_max, parameters.product_bits) == (pixel_max, product_bits)
-    assert (parameters.product_max, parameters.response_bits) == (product_max, response_bits)
-    assert (parameters.response_max, parameters.radicand_bits) == (response_max, radicand_bits)
+    """``absolute`` and ``signed``: bits and full scale of the response of either gradient."""
+    gradients: tuple[tuple[Gradient, tuple[int, int]], ...] = (("absolute", absolute), ("signed", signed))
+    for gradient, response in gradients:
+        parameters = Parameters(pixel_bits=pixel_bits, gradient=gradient)
+        assert (parameters.pixel_max, parameters.product_bits) == (pixel_max, product_bits)
+        assert (parameters.product_max, parameters.root_bits) == (product_max, root_bits)
+        assert (parameters.response_bits, parameters.response_max) == response
+        assert parameters.radicand_bits == radicand_bits
 
 
 def test_texture_formats_by_hand() -> None:
-    regions, pixels = Parameters(), Parameters(patches="pixels")
-    assert (regions.pixels_per_region, regions.texture_max, regions.texture_bits) == (9, 72 * 130050, 24)
+    regions, pixels = Parameters(), Parameters(patches="pixels", gradient="signed")
+    assert (regions.pixels_per_region, regions.texture_max, regions.texture_bits) == (9, 72 * 65026, 23)
     assert (pixels.pixels_per_region, pixels.texture_max, pixels.texture_bits) == (1, 8 * 130050, 20)
 
 

@@ -266,7 +266,7 @@ def random_peaks(pixel_bits: int, top: int) -> NDArray[np.int64]:
 @pytest.mark.parametrize("fit", ["nine", "six"])
 @pytest.mark.parametrize("pixel_bits", [4, 8, 10])
 def test_error_of_random_peaks(pixel_bits: int, fit: Fit) -> None:
-    parameters = Parameters(pixel_bits=pixel_bits, fit=fit)
+    parameters = Parameters(pixel_bits=pixel_bits, fit=fit, gradient="signed")
     for top in (30, 1000):
         errors(random_peaks(pixel_bits, min(top, parameters.response_max)), parameters)
     patches = random_peaks(pixel_bits, parameters.response_max)
@@ -362,7 +362,8 @@ def test_powers_of_two_change_nothing(seed: int, fit: Fit, bits: int) -> None:
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["nine", "six", "printed"]))
 def test_wider_pixels_of_the_same_values_change_nothing(seed: int, fit: Fit) -> None:
     patches = np.random.default_rng(seed).integers(0, 450, (20, 3, 3), endpoint=True)
-    offsets = [subpixel(patches, Parameters(pixel_bits=pixel_bits, fit=fit)) for pixel_bits in (4, 8, 10)]
+    formats = [Parameters(pixel_bits=pixel_bits, fit=fit, gradient="signed") for pixel_bits in (4, 8, 10)]
+    offsets = [subpixel(patches, parameters) for parameters in formats]
     for field in ("dx", "dy", "clamped", "not_maximum"):
         assert all((getattr(offsets[0], field) == getattr(other, field)).all() for other in offsets[1:])
 

@@ -18,7 +18,7 @@ from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Size, assert_timing, engi
 # settings of 4-bit pixels fit the one word in which plain inputs are set
 ODD = Parameters(pixel_bits=4, max_width=37, max_height=21)
 POWERS = Parameters(pixel_bits=4, max_width=32, max_height=16)
-SETTINGS_BITS = 16 + 20 + 1 + 9 + 9 + 1
+SETTINGS_BITS = 16 + 20 + 1 + 8 + 8 + 1
 
 Levels = list[tuple[int, dict[str, int]]]
 

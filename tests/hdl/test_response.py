@@ -81,12 +81,16 @@ def test_extremes(parameters: Parameters) -> None:
 @given(data=st.data())
 @settings(max_examples=30)
 def test_any_tensor(parameters: Parameters, data: st.DataObject) -> None:
-    """Tensors up to the ends of the format, C up to the root of AB, half of them with C at that root."""
+    """Tensors up to the ends of the format, C up to the root of AB, half of them with C at that root.
+
+    Of absolute gradients C is not so small that A + B - 2C exceeds the response's full scale.
+    """
     rng = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))
     top = data.draw(st.sampled_from([1, 2, 7, parameters.product_max]))
     a, b = rng.integers(0, top, (2, 200), endpoint=True)
     limit = np.array([isqrt(x * y) for x, y in zip(a.tolist(), b.tolist(), strict=True)])
-    c = np.where(rng.random(200) < 0.5, limit, rng.integers(0, limit, endpoint=True))
+    least = np.maximum(-(-(a + b - parameters.response_max) // 2), 0)
+    c = np.where(rng.random(200) < 0.5, limit, rng.integers(least, limit, endpoint=True))
     if parameters.gradient == "signed":
         c *= rng.choice([-1, 1], 200)
     check(parameters, [np.stack([a, b, c], axis=-1)[None]])
@@ -95,9 +99,9 @@ def test_any_tensor(parameters: Parameters, data: st.DataObject) -> None:
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
     """Roots of 0, 5, 8, 25, 2 and of full scale; the fourth and fifth exceed A + B, so D is clamped."""
-    full = ABSOLUTE.product_max
+    full, half = ABSOLUTE.product_max, ABSOLUTE.response_max // 2
     tensors = [(10, 10, 0, 20), (8, 3, 0, 6), (9, 6, 4, 7), (10, 3, 12, 0), (1, 0, 1, 0)]
-    tensors += [(full, full, 0, 2 * full), (full, full, full, 0), (full, 0, 0, 0), (0, 0, 0, 0)]
+    tensors += [(half, half, 0, 2 * half), (full, full, full, 0), (full, 0, 0, 0), (0, 0, 0, 0)]
     frame = np.array(tensors)[None]
     assert response(*(frame[..., k] for k in range(3))).tolist() == [[row[3] for row in tensors]]
     check(ABSOLUTE, [frame[..., :3]], name)
