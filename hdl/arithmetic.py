@@ -5,6 +5,15 @@ from __future__ import annotations
 from amaranth.hdl import C, Cat, Value
 
 
+def magnitude(value: Value) -> Value:
+    """|value|, one bit shorter if signed: a difference of two numbers never is the least value, which has none."""
+    if not value.shape().signed:
+        return value
+    # negated by inversion and carry, which fit in one adder; a choice between value and -value takes three times that
+    bits, sign = value[:-1], value[-1]
+    return ((bits ^ sign.replicate(len(bits))) + sign)[: len(bits)]
+
+
 def add_with_carry(a: Value, b: Value, carry: Value) -> Value:
     """a + b + carry, both signed, as one carry chain: the carry enters it at a place below the lowest."""
     low = Cat(carry, b).as_signed()

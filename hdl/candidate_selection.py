@@ -10,7 +10,8 @@ from amaranth.lib.wiring import In, Out
 
 from golden.parameters import COORDINATE_BITS, MARGIN, OFFSET_BITS, Parameters
 from hdl.corner_detection import corner_layout
-from hdl.stream import Beat, Queue
+from hdl.queue import Queue
+from hdl.stream import Beat
 from hdl.surface import derivatives_layout
 
 PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
@@ -38,8 +39,8 @@ class CandidateSelection(wiring.Component):
 
     Every candidate goes out twice, its surface to the subpixel refinement and a note of the rest to the output
     constructor. Each frame is closed by one more note, marked ``end``, one clock after its last window. Both wait
-    in queues, whose filling alone decides whether the blocks before may move: these are always in step with
-    each other.
+    in queues, whose filling alone decides, in a register, whether the blocks before may move: these are always in
+    step with each other.
 
     Members
     -------
@@ -78,9 +79,10 @@ class CandidateSelection(wiring.Component):
         wiring.connect(m, candidates.o, wiring.flipped(self.candidate))
         wiring.connect(m, notes.o, wiring.flipped(self.note))
 
-        room, step, ending = Signal(), Signal(), Signal()
+        room, step, ending = Signal(init=1), Signal(), Signal()
+        # a clock late, and an end follows yet: for this, too, there is room
+        m.d.sync += room.eq(candidates.room & notes.room)
         m.d.comb += [
-            room.eq(candidates.room & notes.room),
             *(source.ready.eq(room) for source in (self.corners, self.textures, self.surfaces)),
             step.eq(self.corners.valid & room),
         ]

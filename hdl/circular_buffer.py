@@ -36,6 +36,9 @@ class CircularBuffer(wiring.Component):
         ``"lean"``: N-1 rows in one memory, the incoming value forwarded as the column's last.
         ``"banked"``: N+1 memories of one row, one written while N are read, roles rotating row by row. A row
         is read out once it is complete, while the next one is written, or by itself if none comes.
+    registers
+        Of ``"lean"``: more registers behind the columns, which spare what follows the way from block RAM. ``"banked"``
+        has them already, behind its multiplexers.
 
     Members
     -------
@@ -45,11 +48,14 @@ class CircularBuffer(wiring.Component):
         Stream of ``Columns(shape, rows)``.
     """
 
-    def __init__(self, shape: ShapeLike, rows: int, max_width: int, buffering: Buffering) -> None:
+    def __init__(
+        self, shape: ShapeLike, rows: int, max_width: int, buffering: Buffering, *, registers: int = 0
+    ) -> None:
         self._shape = Shape.cast(shape)
         self._rows = rows
         self._max_width = max_width
         self._buffering = buffering
+        self._registers = registers if buffering == "lean" else 0
         super().__init__(
             {"i": In(stream.Signature(Beat(shape))), "o": Out(stream.Signature(Columns(shape, rows)))}
         )
@@ -57,7 +63,7 @@ class CircularBuffer(wiring.Component):
     @property
     def latency(self) -> int:
         """Clocks from a beat to the column that it completes, or (banked) from a row's end to its first column."""
-        return 2 if self._buffering == "lean" else 5
+        return 2 + self._registers if self._buffering == "lean" else 5
 
     @property
     def memory_bits(self) -> int:
@@ -98,12 +104,14 @@ class CircularBuffer(wiring.Component):
         column = pipe.register(Cat(read.data, newest), "column")
 
         # each row moves up by one: what was read, less its oldest value, goes back with the newest one below
+        store = pipe.register(arrived, "store", reset=True)
+        with m.If(store & pipe.advance):
+            m.d.sync += write.addr.eq(Mux(tags[0], 0, write.addr + 1))
         m.d.comb += [
-            write.addr.eq(pipe.delay(x, 2, "x")),
             write.data.eq(column[width:]),
-            write.en.eq(pipe.register(arrived, "store", reset=True)),
-            self.o.valid.eq(ends),
-            self.o.payload.eq(Cat(column, tags)),
+            write.en.eq(store),
+            self.o.valid.eq(pipe.delay(ends, self._registers, "last_valid", reset=True)),
+            self.o.payload.eq(pipe.delay(Cat(column, tags), self._registers, "last")),
         ]
         return m
 

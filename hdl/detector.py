@@ -66,17 +66,17 @@ class Detector(wiring.Component):
         self._parameters = p = parameters
         pixel, response = unsigned(p.pixel_bits), unsigned(p.response_bits)
 
-        def buffer(shape: Any, rows: int) -> CircularBuffer:
-            return CircularBuffer(shape, rows, p.max_width, p.buffering)
+        def buffer(shape: Any, rows: int, registers: int) -> CircularBuffer:
+            return CircularBuffer(shape, rows, p.max_width, p.buffering, registers=registers)
 
         self._frame_control = FrameControl(p)
-        self._pixel_buffer = buffer(pixel, PIXEL_ROWS)
+        self._pixel_buffer = buffer(pixel, PIXEL_ROWS, 0)
         self._preprocessing = Preprocessing(p)
         self._convolution = Convolution(p)
         self._response = Response(p)
         self._response_skid = SkidBuffer(self._response.o.payload.shape())
         self._thresholds = Thresholds(p)
-        self._response_buffer = buffer(response, WINDOW_SIZE)
+        self._response_buffer = buffer(response, WINDOW_SIZE, 1)
         self._texture_filter = TextureFilter(p)
         self._corner_detection = CornerDetection(p)
         self._centre_rows = CentreRows(p)

@@ -28,7 +28,7 @@ class FrameControl(wiring.Component):
     next_settings
         ``settings_layout(parameters)`` for the next frame.
     o
-        Stream of ``Beat(unsigned(pixel_bits))``.
+        Stream of ``Beat(unsigned(pixel_bits))``. Its ready must not wait for its valid.
     settings
         Stream of ``settings_layout(parameters)``, one per frame. A first pixel waits until it can be taken.
     """
@@ -53,7 +53,7 @@ class FrameControl(wiring.Component):
         m = Module()
         first, advance, step = Signal(init=1), Signal(), Signal()
         m.d.comb += [
-            advance.eq(~self.o.valid | self.o.ready),
+            advance.eq(self.o.ready),
             self.i.ready.eq(advance & (~first | ~self.settings.valid)),
             step.eq(self.i.valid & self.i.ready),
         ]

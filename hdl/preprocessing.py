@@ -11,6 +11,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import SMOOTHING_SIZE, Parameters
+from hdl.arithmetic import magnitude
 from hdl.square_table import SquareTable
 from hdl.stream import Columns, Pipeline, WindowCounter
 
@@ -85,11 +86,11 @@ class Preprocessing(wiring.Component):
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, 3, step=step, eol=self.i.payload.eol)
         for row, (gx, gy) in enumerate(self._gradients(pipe)):
-            gx_size = pipe.register(_magnitude(gx), f"gx_size_{row}")
-            gy_size = pipe.register(_magnitude(gy), f"gy_size_{row}")
-            difference = gx - gy if self._signed else _magnitude(gx) - _magnitude(gy)
+            gx_size = pipe.register(magnitude(gx), f"gx_size_{row}")
+            gy_size = pipe.register(magnitude(gy), f"gy_size_{row}")
+            difference = gx - gy if self._signed else magnitude(gx) - magnitude(gy)
             difference = pipe.register(difference, f"difference_{row}")
-            self._look_up(m, row, gx_size, gy_size, _magnitude(difference))
+            self._look_up(m, row, gx_size, gy_size, magnitude(difference))
         for k, table in enumerate(self._tables):
             m.submodules[f"table_{k}"] = table
             m.d.comb += table.enable.eq(pipe.advance)
@@ -124,10 +125,3 @@ class Preprocessing(wiring.Component):
             squares.b.eq(both.square[1]),
             squares.d.eq(shared.square[port]),
         ]
-
-
-def _magnitude(value: Value) -> Value:
-    """|value|, one bit shorter: the difference of two unsigned (or two signed) numbers never is its least value."""
-    sign, bits = value[-1], len(value) - 1
-    # negated by carry and inversion, which fit in one adder; a choice between value and -value takes three times that
-    return ((value[:-1] ^ sign.replicate(bits)) + sign)[:bits]

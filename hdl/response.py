@@ -6,19 +6,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Mux, Shape, Value, unsigned
+from amaranth.hdl import Cat, Module, Mux, Value, unsigned
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import Parameters
+from hdl.arithmetic import magnitude
 from hdl.delay_line import DelayLine
 from hdl.preprocessing import products_layout
 from hdl.square_root import SquareRoot
 from hdl.square_table import SquareTable
 from hdl.stream import Beat, Pipeline
 
-RADICAND_LATENCY = 6
-"""Sizes, difference of their halves, two clocks of look-up, sum over both numbers, radicand."""
+RADICAND_LATENCY = 7
+"""A - B, sizes, difference of their halves, two clocks of look-up, sum over both numbers, radicand."""
 
 
 class Response(wiring.Component):
@@ -92,9 +93,10 @@ class Response(wiring.Component):
         """(A - B)² + (2C)², RADICAND_LATENCY clocks later."""
         n = self._half
         data = self.i.payload.data
+        difference, c = pipe.register(data.a - data.b, "difference"), pipe.register(data.c, "c")
         numbers = [
-            pipe.register(_size(data.a - data.b, 2 * n), "distance"),
-            pipe.register(_size(data.c, 2 * n), "cross"),
+            pipe.register(magnitude(difference), "distance"),
+            pipe.register(magnitude(c), "cross"),
         ]
         # high halves, low halves, and a clock later their differences
         m.submodules.high, m.submodules.low = self._halves
@@ -114,11 +116,3 @@ class Response(wiring.Component):
         """Of the squares of a part of A - B and a part of 2C."""
         m.d.comb += [table.enable.eq(pipe.advance), Cat(table.x).eq(Cat(*x))]
         return pipe.register(table.square[0] + (table.square[1] << 2), f"{name}_squares")
-
-
-def _size(value: Value, bits: int) -> Value:
-    """Absolute value; an inversion and a carry are one adder, where a choice of two numbers would be more."""
-    if not Shape.cast(value.shape()).signed:
-        return value[:bits]
-    sign = value[-1]
-    return ((value[:bits] ^ sign.replicate(bits)) + sign)[:bits]

@@ -89,13 +89,14 @@ class SquareRoot(wiring.Component):
         for k, (singles, *rounds) in enumerate(self._waits):
             low = 2 * (self._root_bits - 1 - k)
             digit: Value = self.radicand[low : low + 2]
-            for n in range(singles):
-                digit = self._register(m, digit, f"digit_{k}_{n}")
             for ring, count in enumerate(rounds):
                 for n in range(count):
                     inputs[ring].append(digit)
                     digit = Signal(2, name=f"digit_{k}_{ring}_{n}")
                     outputs[ring].append(digit)
+            # last, because a block RAM is far away
+            for n in range(singles):
+                digit = self._register(m, digit, f"digit_{k}_{n}")
             digits.append(digit)
         for line, given, taken in zip(self._lines, inputs, outputs, strict=True):
             m.submodules[f"wait_{line.latency}"] = line
@@ -110,9 +111,10 @@ class SquareRoot(wiring.Component):
 
 
 def _wait(clocks: int) -> tuple[int, int, int]:
-    """So many clocks as single ones and rounds of the two delay lines, with as few single ones as can be."""
-    fives = min(clocks % 4, clocks // 5)
-    fours = (clocks - 5 * fives) // 4
+    """So many clocks as single ones and rounds of the two delay lines, with few single ones but the last."""
+    rounds = max(clocks - 1, 0)
+    fives = min(rounds % 4, rounds // 5)
+    fours = (rounds - 5 * fives) // 4
     return clocks - 4 * fours - 5 * fives, fours, fives
 
 

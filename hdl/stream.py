@@ -9,7 +9,6 @@ from typing import Any
 
 from amaranth.hdl import Module, ShapeLike, Signal, Value, ValueLike
 from amaranth.lib import data, stream, wiring
-from amaranth.lib.fifo import SyncFIFOBuffered
 from amaranth.lib.wiring import In, Out
 
 
@@ -106,69 +105,16 @@ class SkidBuffer(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         first, spare = Signal(self._shape, reset_less=True), Signal(self._shape, reset_less=True)
-        first_full, spare_full = Signal(), Signal()
-        m.d.comb += [self.i.ready.eq(~spare_full), self.o.valid.eq(first_full), self.o.payload.eq(first)]
+        # ready is kept as it is, not inverted: it goes far
+        first_full, ready = Signal(), Signal(init=1)
+        m.d.comb += [self.i.ready.eq(ready), self.o.valid.eq(first_full), self.o.payload.eq(first)]
         with m.If(self.o.ready | ~first_full):
             # the spare is only ever full behind a full first place, and the input waits while it is
-            m.d.sync += [
-                first_full.eq(spare_full | self.i.valid),
-                spare_full.eq(0),
-            ]
-            with m.If(spare_full):
-                m.d.sync += first.eq(spare)
-            with m.Else():
+            m.d.sync += [first_full.eq(~ready | self.i.valid), ready.eq(1)]
+            with m.If(ready):
                 m.d.sync += first.eq(self.i.payload)
-        with m.Elif(self.i.valid & ~spare_full):
-            m.d.sync += [spare.eq(self.i.payload), spare_full.eq(1)]
-        return m
-
-
-_MARGIN = 4
-"""Two beats that the level does not know of, and the two that room promises."""
-
-
-class Queue(wiring.Component):
-    """First in, first out, in block RAM.
-
-    ``room`` tells a source that cannot wait when to stop in good time.
-
-    Parameters
-    ----------
-    shape
-        Payload.
-    depth
-        Beats that it holds.
-
-    Members
-    -------
-    i, o
-        Streams of ``shape``.
-    room
-        After the clock in which this falls, two more beats fit. A register.
-    """
-
-    latency = 2
-
-    def __init__(self, shape: ShapeLike, depth: int) -> None:
-        if depth < _MARGIN:
-            raise ValueError(f"depth is {depth}; allowed: whole numbers from {_MARGIN}")
-        self._depth = depth
-        super().__init__(
-            {"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape)), "room": Out(1, init=1)}
-        )
-
-    def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        width = len(Value.cast(self.i.payload))
-        m.submodules.fifo = fifo = SyncFIFOBuffered(width=width, depth=self._depth)
-        m.d.comb += [
-            fifo.w_data.eq(self.i.payload),
-            fifo.w_en.eq(self.i.valid),
-            self.i.ready.eq(fifo.w_rdy),
-            self.o.payload.eq(fifo.r_data),
-            self.o.valid.eq(fifo.r_rdy),
-            fifo.r_en.eq(self.o.ready),
-        ]
-        # what is put in now and in the clock before is not yet counted
-        m.d.sync += self.room.eq(fifo.w_level <= self._depth - _MARGIN)
+            with m.Else():
+                m.d.sync += first.eq(spare)
+        with m.Elif(self.i.valid & ready):
+            m.d.sync += [spare.eq(self.i.payload), ready.eq(0)]
         return m

@@ -13,7 +13,7 @@ from amaranth.lib.wiring import In, Out
 from golden.divider import QUOTIENT_BITS
 from golden.parameters import OFFSET_BITS, Parameters
 from golden.subpixel import MANTISSA_BITS, Derivatives, derivative_bits
-from hdl.arithmetic import add_with_carry
+from hdl.arithmetic import add_with_carry, magnitude
 from hdl.divider import Divider
 from hdl.surface import FORMATS, derivatives_layout
 
@@ -65,13 +65,14 @@ class Subpixel(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        # Phase interval-1: everything moves on. An idle unit stays there, ready for the next candidate.
+        # Phase interval-1: everything moves on. An idle unit stays there, ready for the next candidate. So does one
+        # whose last offset has not been taken all the while; once it has, that costs a clock, and the way is short.
         last = self.interval - 1
         phase = Signal(range(self.interval), init=last)
         move = Signal()
         shifted, multiplied, divided = Signal(), Signal(), Signal()
         m.d.comb += [
-            move.eq((phase == last) & (~divided | ~self.o.valid | self.o.ready)),
+            move.eq((phase == last) & ~(divided & self.o.valid)),
             self.i.ready.eq(move),
         ]
         with m.If(self.o.ready):
@@ -94,13 +95,14 @@ class Subpixel(wiring.Component):
 
     def _shift(self, m: Module, move: Value, phase: Value) -> Derivatives:
         """Shift until the largest derivative is at the top: a sign bit and the one below it differ."""
-        bits = max(self._shifts, 0) + MANTISSA_BITS + 1
-        values, normal = [], Signal()
+        bits = self._shifts + MANTISSA_BITS + 1
+        values, normal, shifting = [], Signal(), Signal()
+        m.d.sync += shifting.eq((move & (self._shifts > 0)) | (phase < self._shifts - 1))
         for name, form in self._formats._asdict().items():
             value = Signal(signed(bits), name=name, reset_less=True)
             with m.If(move):
                 m.d.sync += value.eq(self.i.payload[name] << form.zeros)
-            with m.Elif(~normal & (phase < self._shifts)):
+            with m.Elif(shifting & ~normal):
                 m.d.sync += value.eq(value << 1)
             values.append(value)
         m.d.comb += normal.eq(Cat(*(value[-1] ^ value[-2] for value in values)).any())
@@ -122,12 +124,7 @@ class Subpixel(wiring.Component):
 
         active, sign = Signal(), Signal()
         # what a bit adds is a register, taken in a clock later
-        m.d.comb += [
-            sign.eq(phase == MANTISSA_BITS),
-            active.eq((phase != 0) & (phase <= MANTISSA_BITS + 1)),
-        ]
-        inverted_sign = Signal()
-        m.d.comb += inverted_sign.eq(~sign)
+        m.d.sync += [sign.eq(phase == MANTISSA_BITS - 1), active.eq(phase <= MANTISSA_BITS)]
         results = {}
         for name, first, factor, second in (
             ("x", "yy", "x", "y"),
@@ -137,7 +134,7 @@ class Subpixel(wiring.Component):
             high = Signal(signed(MANTISSA_BITS + 3), name=f"{name}_high", reset_less=True)
             low = Signal(MANTISSA_BITS + 1, name=f"{name}_low", reset_less=True)
             # the sign bit of xy counts negative; xx and yy have none where the result is used
-            subtract = inverted_sign if name == "denominator" else sign
+            subtract = ~sign if name == "denominator" else sign
             added = kept[factor].as_unsigned() & scanned[first][0].replicate(MANTISSA_BITS + 1)
             other = kept[second].as_unsigned() & scanned["xy"][0].replicate(MANTISSA_BITS + 1)
             other ^= subtract.replicate(MANTISSA_BITS + 1)
@@ -168,14 +165,13 @@ class Subpixel(wiring.Component):
         reached = []
         for axis, divider in self._dividers.items():
             m.submodules[f"divider_{axis}"] = divider
-            numerator, sign = sums[axis][:bits], sums[axis][-1]
             negative = Signal(name=f"negative_{axis}", reset_less=True)
             with m.If(move):
-                m.d.sync += negative.eq(sign)
+                m.d.sync += negative.eq(sums[axis][-1])
             m.d.comb += [
                 divider.load.eq(move),
                 divider.enable.eq(phase < QUOTIENT_BITS),
-                divider.numerator.eq((numerator ^ sign.replicate(bits)) + sign),
+                divider.numerator.eq(magnitude(sums[axis][: bits + 1].as_signed())),
                 divider.denominator.eq(denominator),
             ]
             # half of it, rounded away from zero: for a negative one, minus the quotient rounded down

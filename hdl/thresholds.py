@@ -86,15 +86,17 @@ class Thresholds(wiring.Component):
         response, eof = self.i.payload.data, self.i.payload.eof
 
         first = Signal(init=1)
-        start, step, pass_on = Signal(), Signal(), Signal()
+        may_start, start, step, pass_on = Signal(), Signal(), Signal(), Signal()
         busy = Signal()
+        # a register, because it decides about readiness
+        m.d.sync += may_start.eq(self.settings.valid & ~busy & ~self.thresholds.valid & ~start)
         m.d.comb += [
-            start.eq(self.settings.valid & ~busy & ~self.thresholds.valid),
-            pass_on.eq((~first | start) & ~(eof & self.maximum.valid)),
+            pass_on.eq((~first | may_start) & ~(eof & self.maximum.valid)),
             self.o.payload.eq(self.i.payload),
             self.o.valid.eq(self.i.valid & pass_on),
             self.i.ready.eq(self.o.ready & pass_on),
             step.eq(self.o.valid & self.o.ready),
+            start.eq(step & first),
         ]
 
         # largest response so far, and of the previous frame
@@ -113,7 +115,7 @@ class Thresholds(wiring.Component):
                     self.maximum.valid.eq(1),
                 ]
 
-        self._multiply(m, start=step & first, busy=busy, previous=previous, any_previous=any_previous)
+        self._multiply(m, start=start, busy=busy, previous=previous, any_previous=any_previous)
         return m
 
     def _multiply(

@@ -210,5 +210,5 @@ def test_the_next_frame_waits_until_the_thresholds_are_taken() -> None:
     simulator.add_testbench(bench)
     simulator.run()
     assert [beat for _, beat in passed] == beats
-    assert [clock for clock, _ in passed[36:]] == list(range(waits_until + 1, waits_until + 37))
+    assert [clock for clock, _ in passed[36:]] == list(range(waits_until + 2, waits_until + 38))
     assert taken == limits(frames, PARAMETERS)

@@ -1,0 +1,76 @@
+"""A queue in block RAM, for sources that cannot wait."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module, Mux, ShapeLike, Signal, Value
+from amaranth.lib import stream, wiring
+from amaranth.lib.memory import Memory
+from amaranth.lib.wiring import In, Out
+
+ROOM = 3
+"""Free places that ``room`` promises: a source may look at it a clock late, and have one more beat to come."""
+
+
+class Queue(wiring.Component):
+    """First in, first out. Its input is never refused: a source must heed ``room``, or beats are lost.
+
+    Parameters
+    ----------
+    shape
+        Payload.
+    depth
+        Beats in the memory; one more waits at the output.
+
+    Members
+    -------
+    i
+        Stream of ``shape``, always ready.
+    o
+        Stream of ``shape``, two clocks later.
+    room
+        At least three places are free, counted without what is put in now.
+    """
+
+    latency = 2
+
+    def __init__(self, shape: ShapeLike, depth: int) -> None:
+        if depth < ROOM:
+            raise ValueError(f"depth is {depth}; allowed: whole numbers from {ROOM}")
+        self._depth = depth
+        super().__init__(
+            {
+                "i": In(stream.Signature(shape, always_ready=True)),
+                "o": Out(stream.Signature(shape)),
+                "room": Out(1),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        given = Value.cast(self.i.payload)
+        m.submodules.memory = memory = Memory(shape=len(given), depth=self._depth, init=[])
+        write, read = memory.write_port(), memory.read_port()
+        level = Signal(range(self._depth + 1))
+        free, taken = Signal(), Signal()
+        m.d.comb += [
+            free.eq(~self.o.valid | self.o.ready),
+            taken.eq(free & (level != 0)),
+            self.room.eq(level <= self._depth - ROOM),
+            write.en.eq(self.i.valid),
+            write.data.eq(given),
+            # what is read out of an empty queue is not valid
+            read.en.eq(free),
+            Value.cast(self.o.payload).eq(read.data),
+        ]
+        for port, moves in ((write, self.i.valid), (read, taken)):
+            with m.If(moves):
+                m.d.sync += port.addr.eq(Mux(port.addr == self._depth - 1, 0, port.addr + 1))
+        with m.If(self.i.valid & ~taken):
+            m.d.sync += level.eq(level + 1)
+        with m.Elif(taken & ~self.i.valid):
+            m.d.sync += level.eq(level - 1)
+        with m.If(free):
+            m.d.sync += self.o.valid.eq(taken)
+        return m
