@@ -29,7 +29,7 @@ class CentreRows(wiring.Component):
         Stream of ``Columns(unsigned(response_bits), 3)``, rows six positions shorter.
     """
 
-    latency = 1
+    latency = 2
 
     def __init__(self, parameters: Parameters) -> None:
         self._response = unsigned(parameters.response_bits)
@@ -47,14 +47,15 @@ class CentreRows(wiring.Component):
         window = WindowCounter(m, 2 * _LATE + 1, step=step, eol=self.i.payload.eol)
         middle = WINDOW_SIZE // 2
         rows = Cat(*(self.i.payload.data[row] for row in range(middle - 1, middle + 2)))
-        # moves from column to column; its last register is the one of the output
-        m.submodules.late = late = DelayLine(len(rows), _LATE + self.latency)
+        # moves from column to column; its last register counts as one of the two here
+        m.submodules.late = late = DelayLine(len(rows), _LATE + 1)
         m.d.comb += [
             late.enable.eq(step),
             late.i.eq(rows),
-            self.o.valid.eq(pipe.register(pipe.valid & window.complete, "valid", reset=True)),
-            self.o.payload.data.eq(late.o),
-            self.o.payload.eol.eq(pipe.register(self.i.payload.eol, "eol")),
-            self.o.payload.eof.eq(pipe.register(self.i.payload.eof, "eof")),
+            self.o.valid.eq(pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)),
+            # the line is block RAM, which is far from the adders that follow
+            self.o.payload.data.eq(pipe.register(late.o, "data")),
+            self.o.payload.eol.eq(pipe.delay(self.i.payload.eol, self.latency, "eol")),
+            self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
         ]
         return m

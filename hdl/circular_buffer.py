@@ -37,8 +37,8 @@ class CircularBuffer(wiring.Component):
         ``"banked"``: N+1 memories of one row, one written while N are read, roles rotating row by row. A row
         is read out once it is complete, while the next one is written, or by itself if none comes.
     registers
-        Of ``"lean"``: more registers behind the columns, which spare what follows the way from block RAM. ``"banked"``
-        has them already, behind its multiplexers.
+        Of ``"lean"``: more registers behind the columns, which spare what follows the way from block RAM.
+        ``"banked"`` has them already, behind its multiplexers.
 
     Members
     -------

@@ -1,21 +1,34 @@
-"""Convolution (Eq. 1): the separable 5x5 smoothing kernel out of adders, used alike for three channels."""
+# amaranth: UnusedElaboratable=no
+# the tables are made at once, because their memory is counted, and elaborated perhaps never
+"""Convolution (Eq. 1): squares out of tables, smoothed by the separable 5x5 kernel out of adders."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Value
-from amaranth.lib import stream, wiring
+from amaranth.hdl import C, Cat, Module, Value, signed, unsigned
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.convolution import SHIFT
 from golden.parameters import SMOOTHING_SIZE, Parameters
-from hdl.preprocessing import products_layout, squares_layout
+from hdl.preprocessing import sizes_layout
+from hdl.square_table import SquareTable
 from hdl.stream import Beat, Columns, Pipeline, WindowCounter
+
+LATE_ROWS = (1, 2, 3)
+"""Rows looked up a clock after the outer two: their sums meet in one adder each, not all in one clock."""
+
+
+def products_layout(parameters: Parameters) -> data.StructLayout:
+    """A, B and C after smoothing; C has a sign only where gradients have one."""
+    bits = parameters.product_bits
+    c = signed(bits + 1) if parameters.gradient == "signed" else unsigned(bits)
+    return data.StructLayout({"a": unsigned(bits), "b": unsigned(bits), "c": c})
 
 
 class ConvolutionUnit:
-    """Sum of one channel under the kernel [1 2 2 2 1]ᵀ[1 2 2 2 1], not yet divided by 64. Latency 2.
+    """Sum of one channel under the kernel [1 2 2 2 1]ᵀ[1 2 2 2 1], not yet divided by 64. Latency 3.
 
     First down the column; its sum then meets four columns before it in a chain of adders, in which each register
     holds the part of one window that has been seen. Those move from beat to beat, not from clock to clock.
@@ -25,9 +38,9 @@ class ConvolutionUnit:
     pipe
         Where it is a part of.
     rows
-        Five unsigned values of one width, that of the ``pipe``'s input beat.
+        Five unsigned values of one width; the middle three come a clock after the others.
     beat
-        ``pipe.valid`` one clock later.
+        Is there a beat, two clocks after the outer rows?
     name
         Of the channel.
     half
@@ -39,7 +52,7 @@ class ConvolutionUnit:
         The sum, six bits wider than a row, with the window's last column.
     """
 
-    latency = 2
+    latency = 3
 
     def __init__(
         self, pipe: Pipeline, rows: list[Value], beat: Value, name: str, *, half: bool = False
@@ -51,8 +64,8 @@ class ConvolutionUnit:
         if half:
             # bit 1 of a square is always 0: a 2 there, in a row of weight 2, in columns of weight 8, is 32
             second = Cat(second[0], C(1, 1), second[2:])
-        # r0 + r4 + 2·r1, and r2 + r3; what is doubled leaves bit 0 alone
-        outer = rows[0] + rows[4]
+        # r0 + r4, then + 2·r1, and r2 + r3; what is doubled leaves bit 0 alone
+        outer = pipe.register(rows[0] + rows[4], f"{name}_outer")
         upper = pipe.register(Cat(outer[0], outer[1:] + second), f"{name}_upper")
         inner = pipe.register(rows[2] + rows[3], f"{name}_inner")
         column = Cat(upper[0], upper[1:] + inner)[: len(rows[0]) + 3]
@@ -68,16 +81,17 @@ class ConvolutionUnit:
 class Convolution(wiring.Component):
     """Smooths A, B and C: kernel [1 2 2 2 1]ᵀ[1 2 2 2 1] / 64, rounded once, half away from zero.
 
-    Takes columns of five rows of squares, delivers rows four positions shorter. A and B are sums of a and b; with
-    d, the square of the difference, C = (A + B - d) / 2, made of the full sums before any of them is rounded.
-    The half of rounding is already in the sums of a and b, so in C too.
+    Takes columns of five rows of numbers, delivers rows four positions shorter. With a, b and d the squares of gx,
+    gy and their difference, gx·gy = (a + b - d) / 2: so A and B are sums of a and b, and C = (A + B - D) / 2 with D
+    that of d, made of the full sums before any of them is rounded. The half of rounding is already in the sums of
+    a and b, so in C too.
 
     c comes from an adder, not from a register: the next block should register it before it computes.
 
     Members
     -------
     i
-        Stream of ``Columns(squares_layout(parameters), 5)``: squares of any gradients of pixels.
+        Stream of ``Columns(sizes_layout(parameters), 5)``.
     o
         Stream of ``Beat(products_layout(parameters))``.
     """
@@ -85,9 +99,15 @@ class Convolution(wiring.Component):
     def __init__(self, parameters: Parameters) -> None:
         self._signed = parameters.gradient == "signed"
         self._bits = parameters.product_bits
+        bits = parameters.pixel_bits
+        self._gradient_tables = [SquareTable(bits) for _ in range(SMOOTHING_SIZE)]
+        # two rows' differences share a table, so one port stays free
+        self._difference_tables = [
+            SquareTable(bits + 1 if self._signed else bits) for _ in range(0, SMOOTHING_SIZE, 2)
+        ]
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(squares_layout(parameters), SMOOTHING_SIZE))),
+                "i": In(stream.Signature(Columns(sizes_layout(parameters), SMOOTHING_SIZE))),
                 "o": Out(stream.Signature(Beat(products_layout(parameters)))),
             }
         )
@@ -95,22 +115,30 @@ class Convolution(wiring.Component):
     @property
     def latency(self) -> int:
         """Signed products round on either side of zero, which takes a clock of its own."""
-        return ConvolutionUnit.latency + self._signed
+        return SquareTable.latency + ConvolutionUnit.latency + self._signed
+
+    @property
+    def memory_bits(self) -> int:
+        return sum(table.memory_bits for table in self._tables)
+
+    @property
+    def _tables(self) -> list[SquareTable]:
+        return [*self._gradient_tables, *self._difference_tables]
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, SMOOTHING_SIZE, step=step, eol=self.i.payload.eol)
-        beat = pipe.register(pipe.valid, "beat", reset=True)
+        beat = pipe.delay(pipe.valid, SquareTable.latency + 2, "beat", reset=True)
+        squares = self._look_up(m, pipe)
 
         def total(name: str, half: bool) -> Value:
-            rows = [Value.cast(self.i.payload.data[row][name]) for row in range(SMOOTHING_SIZE)]
-            return ConvolutionUnit(pipe, rows, beat, name, half=half).total
+            return ConvolutionUnit(pipe, squares[name], beat, name, half=half).total
 
         a, b, d = total("a", True), total("b", True), total("d", False)
         c = self._signed_cross(pipe, a, b, d) if self._signed else self._cross(a, b, d)
-        waits = self.latency - ConvolutionUnit.latency
+        waits = int(self._signed)
         m.d.comb += [
             self.o.valid.eq(pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)),
             self.o.payload.data.a.eq(pipe.delay(a[SHIFT:], waits, "a_rounded")),
@@ -120,6 +148,25 @@ class Convolution(wiring.Component):
             self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
         ]
         return m
+
+    def _look_up(self, m: Module, pipe: Pipeline) -> dict[str, list[Value]]:
+        """Squares by channel and row. A row's gradients share a table, and so do the differences of two rows."""
+        for k, table in enumerate(self._tables):
+            m.submodules[f"table_{k}"] = table
+            m.d.comb += table.enable.eq(pipe.advance)
+        squares: dict[str, list[Value]] = {"a": [], "b": [], "d": []}
+        for row in range(SMOOTHING_SIZE):
+            sizes = self.i.payload.data[row]
+            gradients, differences = self._gradient_tables[row], self._difference_tables[row // 2]
+            for channel, number, table, port in (
+                ("a", sizes.gx, gradients, 0),
+                ("b", sizes.gy, gradients, 1),
+                ("d", sizes.difference, differences, row % 2),
+            ):
+                late = pipe.delay(number, int(row in LATE_ROWS), f"{channel}_late_{row}")
+                m.d.comb += table.x[port].eq(late)
+                squares[channel].append(Value.cast(table.square[port]))
+        return squares
 
     @staticmethod
     def _cross(a: Value, b: Value, d: Value) -> Value:

@@ -172,17 +172,17 @@ class Detector(wiring.Component):
         columns, texture = self._response_buffer.o, self._texture_filter
         limits = self._thresholds.thresholds
         # These four move in step: they are ready whenever the candidate selection is, and equally long.
-        # Thresholds stay until the last window of their frame has left.
+        # Thresholds stay until the last window of their frame has left. They never come too late: they are ready
+        # soon after a frame's first response, and its first column needs eight rows of them.
         m.d.comb += [
-            # a column waits for its thresholds; a bubble need not, or the first response could never come
-            columns.ready.eq(surface.i.ready & (limits.valid | ~columns.valid)),
+            columns.ready.eq(surface.i.ready),
             texture.i.valid.eq(columns.valid),
-            centre_rows.i.valid.eq(columns.valid & limits.valid),
+            centre_rows.i.valid.eq(columns.valid),
             centre_rows.o.ready.eq(surface.i.ready),
             corners.i.valid.eq(centre_rows.o.valid),
             surface.i.valid.eq(centre_rows.o.valid),
-            corners.t1.valid.eq(limits.valid),
-            texture.thresholds.valid.eq(limits.valid),
+            corners.t1.valid.eq(1),
+            texture.thresholds.valid.eq(1),
             limits.ready.eq(texture.thresholds.ready),
             centre_rows.i.payload.eq(columns.payload),
             texture.i.payload.eq(columns.payload),

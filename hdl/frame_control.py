@@ -66,12 +66,13 @@ class FrameControl(wiring.Component):
             m.d.sync += [first.eq(eof), x.eq(Mux(eol, 0, x + 1))]
             with m.If(eol):
                 m.d.sync += y.eq(Mux(eof, 0, y + 1))
-            with m.If(first):
-                m.d.sync += [
-                    last_x.eq(_clamped(self.width, self._parameters.max_width) - 1),
-                    last_y.eq(_clamped(self.height, self._parameters.max_height) - 1),
-                    self.settings.payload.eq(self.next_settings),
-                ]
+        # sampled in every clock up to that of the first pixel, which so need not be known here
+        with m.If(first & ~self.settings.valid):
+            m.d.sync += [
+                last_x.eq(_clamped(self.width, self._parameters.max_width) - 1),
+                last_y.eq(_clamped(self.height, self._parameters.max_height) - 1),
+                self.settings.payload.eq(self.next_settings),
+            ]
 
         with m.If(step & first):
             m.d.sync += self.settings.valid.eq(1)

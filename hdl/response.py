@@ -12,8 +12,8 @@ from amaranth.lib.wiring import In, Out
 
 from golden.parameters import Parameters
 from hdl.arithmetic import magnitude
+from hdl.convolution import products_layout
 from hdl.delay_line import DelayLine
-from hdl.preprocessing import products_layout
 from hdl.square_root import SquareRoot
 from hdl.square_table import SquareTable
 from hdl.stream import Beat, Pipeline

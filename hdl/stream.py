@@ -115,6 +115,9 @@ class SkidBuffer(wiring.Component):
                 m.d.sync += first.eq(self.i.payload)
             with m.Else():
                 m.d.sync += first.eq(spare)
-        with m.Elif(self.i.valid & ready):
-            m.d.sync += [spare.eq(self.i.payload), ready.eq(0)]
+        with m.Elif(self.i.valid):
+            m.d.sync += ready.eq(0)
+        # whatever is offered, until it is needed
+        with m.If(ready):
+            m.d.sync += spare.eq(self.i.payload)
         return m

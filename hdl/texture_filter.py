@@ -89,7 +89,8 @@ class TextureFilter(wiring.Component):
     are added instead. Everything is summed down the columns first; a chain of additions then takes what each
     column has to add, and keeps it for the later columns. Three neighbours of its sum make tau.
 
-    Clocks: 1 differences, 2 sums down the column, 3 chain along the row, 4 three neighbours against T2.
+    Clocks: 1 differences, 2 sums down the column, 3 chain along the row, 4 three neighbours against T2, 5 only to
+    take as long as the blocks beside it.
 
     Members
     -------
@@ -101,7 +102,7 @@ class TextureFilter(wiring.Component):
         Stream of ``Beat({"textured": 1, "keep": 1})``; keep = not textured, or rejected corners are reported too.
     """
 
-    latency = 4
+    latency = 5
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
@@ -120,18 +121,18 @@ class TextureFilter(wiring.Component):
         m.d.comb += self.thresholds.ready.eq(self.o.valid & self.o.ready & self.o.payload.eof)
 
         beat = [Value.cast(pipe.valid)]
-        for k in range(self.latency - 1):
+        for k in range(3):
             beat.append(pipe.register(beat[-1], f"beat_{k + 1}", reset=True))
-        eol = pipe.delay(self.i.payload.eol, self.latency - 1, "eol")
+        eol = pipe.delay(self.i.payload.eol, 3, "eol")
         window = WindowCounter(m, WINDOW_SIZE, step=beat[3] & pipe.advance, eol=eol)
 
         column = self._along_row(pipe, self._down_columns(pipe, beat[1]), beat[2])
-        textured = pipe.register(self._is_textured(pipe, column, beat[3]), "textured")
+        textured = pipe.delay(self._is_textured(pipe, column, beat[3]), 2, "textured")
         m.d.comb += [
-            self.o.valid.eq(pipe.register(beat[3] & window.complete, "valid", reset=True)),
+            self.o.valid.eq(pipe.delay(beat[3] & window.complete, 2, "valid", reset=True)),
             self.o.payload.data.textured.eq(textured),
             self.o.payload.data.keep.eq(~textured | self.thresholds.payload.report_rejected),
-            self.o.payload.eol.eq(pipe.register(eol, "last_eol")),
+            self.o.payload.eol.eq(pipe.delay(eol, 2, "last_eol")),
             self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
         ]
         return m
