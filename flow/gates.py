@@ -6,7 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from flow.synthesis import Synthesis, rule_text, synthesize
+from flow.rules import rule_text
+from flow.synthesis import Synthesis, synthesize
 from golden import Parameters
 from hdl.detector import Detector
 from sim.engine import Engine, make_engine
@@ -14,7 +15,7 @@ from sim.engine import Engine, make_engine
 
 def gate_level_verilog(synthesis: Synthesis) -> str:
     """The netlist, and before it our own models of the cells that it is made of."""
-    return rule_text("cells.v") + "\n" + synthesis.verilog
+    return rule_text("cyclone4", "cells.v") + "\n" + synthesis.verilog
 
 
 def gate_level_engine(

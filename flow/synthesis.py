@@ -6,7 +6,6 @@ import json
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -16,6 +15,7 @@ from amaranth.lib import wiring
 from flow.area import Area, Block
 from flow.netlist import PRIMITIVES, Json, area_tree, own_area
 from flow.refine import refine
+from flow.rules import write_rules
 from flow.verilog import MODULE
 from flow.yowasp import run_yosys
 from golden import Parameters
@@ -139,8 +139,7 @@ def map_component(component: wiring.Component, top: str) -> tuple[Block, str]:
     """Area and structural netlist of any component, as module ``top``."""
     with TemporaryDirectory(prefix="cornerstream-") as name:
         folder = Path(name)
-        for rule in RULES:
-            (folder / rule).write_text(rule_text(rule), encoding="utf-8")
+        write_rules("cyclone4", RULES, folder)
         (folder / "design.il").write_text(
             rtlil.convert(component, name=top, emit_src=False), encoding="utf-8"
         )
@@ -174,11 +173,6 @@ def _best(netlists: list[Json]) -> Json:
         if name not in PRIMITIVES
     }
     return {**netlists[0], "modules": modules}
-
-
-def rule_text(name: str) -> str:
-    """One file of the map, by name."""
-    return (files("flow") / "cyclone4" / name).read_text(encoding="utf-8")
 
 
 _MODULE = re.compile(r"^module \\(\S+)$(.*?)^end$", re.MULTILINE | re.DOTALL)

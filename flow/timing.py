@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -17,6 +16,9 @@ from typing import Any
 from amaranth.back import rtlil
 
 from flow.ecp5 import RULES, SCRIPT, relaxed
+from flow.ecp5.output_registers import use_output_registers
+from flow.netlist import Module
+from flow.rules import write_rules
 from flow.verilog import MODULE
 from flow.yowasp import ToolError, run, run_yosys
 from golden import Parameters
@@ -98,11 +100,13 @@ def place_and_route(parameters: Parameters, *, seed: int = 1, speed: int = 6) ->
         folder = Path(name)
         design = rtlil.convert(Detector(parameters), name=MODULE, emit_src=False)
         (folder / "design.il").write_text(relaxed(design), encoding="utf-8")
-        for rule in RULES:
-            (folder / rule).write_text((files("flow") / "ecp5" / rule).read_text("utf-8"), encoding="utf-8")
+        write_rules("ecp5", RULES, folder)
         run_yosys(SCRIPT.format(top=MODULE), folder)
+        netlist = json.loads((folder / "mapped.json").read_text(encoding="utf-8"))
+        use_output_registers(Module(netlist["modules"][MODULE]))
+        (folder / "registered.json").write_text(json.dumps(netlist), encoding="utf-8")
         arguments = [
-            *("--45k", "--package", PACKAGE, "--speed", str(speed), "--json", "mapped.json"),
+            *("--45k", "--package", PACKAGE, "--speed", str(speed), "--json", "registered.json"),
             *("--out-of-context", "--freq", str(AIM_MHZ), "--timing-allow-fail", "--seed", str(seed)),
             *("--report", "report.json", "--quiet"),
         ]

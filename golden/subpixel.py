@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from golden.parameters import Fit, Parameters
 from golden.preprocessing import IntArray
 
 Int64 = NDArray[np.int64]
+T = TypeVar("T")
 
 
 class Surface(NamedTuple):
@@ -33,17 +34,17 @@ MANTISSA_BITS = 10
 """Bits of the curvatures and slopes, beside their sign, that go into the products of Eq. 13."""
 
 
-class Derivatives(NamedTuple):
+class Derivatives(NamedTuple, Generic[T]):
     """Second derivatives of the surface, those along an axis negated, and its slopes at the centre pixel.
 
     xx = -2 L0, yy = -2 L1, xy = L2, x = L3, y = L4: at a maximum xx and yy are positive.
     """
 
-    xx: Int64
-    yy: Int64
-    xy: Int64
-    x: Int64
-    y: Int64
+    xx: T
+    yy: T
+    xy: T
+    x: T
+    y: T
 
 
 @dataclass(frozen=True)
@@ -115,12 +116,12 @@ def derivative_bits(parameters: Parameters) -> int:
     return (int(largest) * parameters.response_max).bit_length()
 
 
-def derivatives(surface: Surface) -> Derivatives:
+def derivatives(surface: Surface) -> Derivatives[Int64]:
     """Derivatives at the centre pixel, in units of the surface's scale."""
     return Derivatives(-2 * surface.l0, -2 * surface.l1, surface.l2, surface.l3, surface.l4)
 
 
-def mantissas(values: Derivatives, bits: int) -> Derivatives:
+def mantissas(values: Derivatives[Int64], bits: int) -> Derivatives[Int64]:
     """The five values as block floating point: MANTISSA_BITS and a sign each, all with one exponent.
 
     The peak depends on ratios only. So all are shifted up until the largest, of ``bits`` bits at most, is at the
@@ -137,7 +138,7 @@ def bit_length(values: Int64) -> Int64:
     return np.frexp(values.astype(np.float64))[1].astype(np.int64)
 
 
-def peak(values: Derivatives, bits: int, printed: bool = False) -> Offset:
+def peak(values: Derivatives[Int64], bits: int, printed: bool = False) -> Offset:
     """Stationary point of the surface (Eq. 13), kept only where it is a maximum, and within half a pixel.
 
         dx = (2 L1 L3 - L2 L4) / (L2² - 4 L0 L1) = (yy·x + xy·y) / (xx·yy - xy²)

@@ -52,7 +52,7 @@ class CornerDetection(wiring.Component):
         top, middle, bottom = (self.i.payload.data[row] for row in range(3))
 
         beat = pipe.register(pipe.valid, "beat", reset=True)
-        ends = pipe.register(_larger(self._before(top), self._after(bottom)), "ends")
+        ends = pipe.register(_larger(self._ahead(top), self._behind(bottom)), "ends")
         above = pipe.register(middle > self.t1.payload, "above")
         middle = pipe.register(middle, "middle")
 
@@ -60,12 +60,14 @@ class CornerDetection(wiring.Component):
             return pipe.register(value, name, when=beat)
 
         # what the column before this one needs to know of this one, and the other way round
-        peak = self._centre(middle) > ends
-        largest_1 = kept(Mux(self._before(middle) > ends, self._before(middle), ends), "largest_1")
-        promising_1 = kept(above & peak & (self._centre(middle) > largest_1), "promising_1")
+        centre = self._ahead(middle)
+        peak = centre > ends
+        largest_1 = kept(Mux(peak, centre, ends), "largest_1")
+        promising_1 = kept(above & peak & (centre > largest_1), "promising_1")
         middle_1 = kept(middle, "middle_1")
-        beats_ends = pipe.register(promising_1 & (self._centre(middle_1) > ends), "beats_ends")
-        beats_middle = pipe.register(self._centre(middle_1) > self._after(middle), "beats_middle")
+        centre_1 = self._ahead(middle_1)
+        beats_ends = pipe.register(promising_1 & (centre_1 > ends), "beats_ends")
+        beats_middle = pipe.register(centre_1 > self._behind(middle), "beats_middle")
 
         tags = pipe.delay(Cat(self.i.payload.eol, self.i.payload.eof), self.latency, "tags")
         complete = pipe.delay(pipe.valid & window.complete, self.latency, "complete", reset=True)
@@ -80,13 +82,10 @@ class CornerDetection(wiring.Component):
     # Neighbours that come before the centre in raster order must be smaller; those that come after may equal it
     # with ties="first". Half a unit more for the centre and for those before says both with one comparison.
 
-    def _centre(self, value: Value) -> Value:
-        return self._before(value)
-
-    def _before(self, value: Value) -> Value:
+    def _ahead(self, value: Value) -> Value:
         return value if self._parameters.ties == "strict" else Cat(C(1, 1), value)
 
-    def _after(self, value: Value) -> Value:
+    def _behind(self, value: Value) -> Value:
         return value if self._parameters.ties == "strict" else Cat(C(0, 1), value)
 
 

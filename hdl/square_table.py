@@ -9,7 +9,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
-LOGIC_BITS = 2
+UNSTORED_BITS = 2
 """Low bits of a square that are not stored: bit 0 is that of x, bit 1 is 0."""
 
 
@@ -56,7 +56,7 @@ class SquareTable(wiring.Component):
 
     @property
     def memory_bits(self) -> int:
-        return (self._square_bits - LOGIC_BITS) << self._bits
+        return (self._square_bits - UNSTORED_BITS) << self._bits
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -64,9 +64,9 @@ class SquareTable(wiring.Component):
         # the place of the most negative number stays empty
         numbers = [*range(size // 2), 0, *range(1 - size // 2, 0)] if self._signed else range(size)
         m.submodules.table = table = Memory(
-            shape=self._square_bits - LOGIC_BITS,
+            shape=self._square_bits - UNSTORED_BITS,
             depth=size,
-            init=[x * x >> LOGIC_BITS for x in numbers],
+            init=[x * x >> UNSTORED_BITS for x in numbers],
             attrs={"ram_style": "block"},
         )
         for k in range(2):

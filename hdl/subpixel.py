@@ -93,7 +93,7 @@ class Subpixel(wiring.Component):
             m.d.sync += [self.o.valid.eq(1), self.o.payload.eq(offset)]
         return m
 
-    def _shift(self, m: Module, move: Value, phase: Value) -> Derivatives:
+    def _shift(self, m: Module, move: Value, phase: Value) -> Derivatives[Value]:
         """Shift until the largest derivative is at the top: a sign bit and the one below it differ."""
         bits = self._shifts + MANTISSA_BITS + 1
         values, normal, shifting = [], Signal(), Signal()
@@ -108,7 +108,9 @@ class Subpixel(wiring.Component):
         m.d.comb += normal.eq(Cat(*(value[-1] ^ value[-2] for value in values)).any())
         return Derivatives(*(value[self._shifts :].as_signed() for value in values))
 
-    def _multiply(self, m: Module, move: Value, phase: Value, mantissas: Derivatives) -> dict[str, Value]:
+    def _multiply(
+        self, m: Module, move: Value, phase: Value, mantissas: Derivatives[Value]
+    ) -> dict[str, Value]:
         """yy·x + xy·y, xx·y + xy·x and xx·yy - xy², by the bits of yy, xx and xy from the lowest to the sign."""
         kept = {}
         for name in ("yy", "xy", "x", "y"):
@@ -131,8 +133,6 @@ class Subpixel(wiring.Component):
             ("y", "xx", "y", "x"),
             ("denominator", "xx", "yy", "xy"),
         ):
-            high = Signal(signed(MANTISSA_BITS + 3), name=f"{name}_high", reset_less=True)
-            low = Signal(MANTISSA_BITS + 1, name=f"{name}_low", reset_less=True)
             # the sign bit of xy counts negative; xx and yy have none where the result is used
             subtract = ~sign if name == "denominator" else sign
             added = kept[factor].as_unsigned() & scanned[first][0].replicate(MANTISSA_BITS + 1)
@@ -140,16 +140,11 @@ class Subpixel(wiring.Component):
             other ^= subtract.replicate(MANTISSA_BITS + 1)
             both = Signal(signed(MANTISSA_BITS + 2), name=f"{name}_both", reset_less=True)
             m.d.sync += both.eq(add_with_carry(added.as_signed(), other.as_signed(), subtract))
-            partial = (high + both)[: MANTISSA_BITS + 4]
-            with m.If(move):
-                m.d.sync += high.eq(0)
-            with m.Elif(active):
-                m.d.sync += [high.eq(partial[1:].as_signed()), low.eq(Cat(low, partial[0])[1:])]
-            results[name] = Cat(low, high).as_signed()
+            results[name] = _accumulate(m, both, name, clear=move, enable=active)
         return results
 
     def _divide(
-        self, m: Module, move: Value, phase: Value, mantissas: Derivatives, sums: dict[str, Value]
+        self, m: Module, move: Value, phase: Value, mantissas: Derivatives[Value], sums: dict[str, Value]
     ) -> Value:
         """Both quotients at once, by the same denominator; returns the offset."""
         bits = self._quotient_bits
@@ -181,3 +176,15 @@ class Subpixel(wiring.Component):
             reached.append(divider.reached)
         m.d.comb += [offset.clamped.eq(peak & (reached[0] | reached[1])), offset.not_maximum.eq(~peak)]
         return offset
+
+
+def _accumulate(m: Module, added: Signal, name: str, *, clear: Value, enable: Value) -> Value:
+    """Sum of ``added`` · 2**k over the k-th clocks of ``enable``: in each, one more bit of it is final."""
+    high = Signal(signed(MANTISSA_BITS + 3), name=f"{name}_high", reset_less=True)
+    low = Signal(MANTISSA_BITS + 1, name=f"{name}_low", reset_less=True)
+    partial = (high + added)[: MANTISSA_BITS + 4]
+    with m.If(clear):
+        m.d.sync += high.eq(0)
+    with m.Elif(enable):
+        m.d.sync += [high.eq(partial[1:].as_signed()), low.eq(Cat(low, partial[0])[1:])]
+    return Cat(low, high).as_signed()

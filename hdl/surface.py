@@ -20,9 +20,9 @@ class Format(NamedTuple):
     largest: int
 
 
-FORMATS: dict[Fit, Derivatives] = {
-    "nine": Derivatives(Format(2, 6), Format(2, 6), Format(0, 6), Format(1, 3), Format(1, 3)),  # type: ignore
-    "six": Derivatives(Format(1, 5), Format(1, 2), Format(0, 2), Format(0, 1), Format(0, 2)),  # type: ignore
+FORMATS: dict[Fit, Derivatives[Format]] = {
+    "nine": Derivatives(Format(2, 6), Format(2, 6), Format(0, 6), Format(1, 3), Format(1, 3)),
+    "six": Derivatives(Format(1, 5), Format(1, 2), Format(0, 2), Format(0, 1), Format(0, 2)),
 }
 """Of golden.subpixel.derivatives."""
 
@@ -77,7 +77,7 @@ class SurfaceFit(wiring.Component):
         return m
 
 
-def _nine_samples(pipe: Pipeline, column: list[Value]) -> Derivatives:
+def _nine_samples(pipe: Pipeline, column: list[Value]) -> Derivatives[Value]:
     """Least squares over the nine samples."""
     top, middle, bottom = column
     beat_1 = pipe.register(pipe.valid, "beat_1", reset=True)
@@ -109,7 +109,7 @@ def _nine_samples(pipe: Pipeline, column: list[Value]) -> Derivatives:
     )
 
 
-def _six_samples(pipe: Pipeline, column: list[Value]) -> Derivatives:
+def _six_samples(pipe: Pipeline, column: list[Value]) -> Derivatives[Value]:
     """The surface through the paper's S0 S3 S5 S7 S2 S6: corners, left and right middle, and the bottom's middle."""
     beat_1 = pipe.register(pipe.valid, "beat_1", reset=True)
     beat_2 = pipe.register(beat_1, "beat_2", reset=True)

@@ -13,7 +13,7 @@ from amaranth.hdl import Module, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from flow import synthesis
+from flow import rules, synthesis
 from flow.area import Block
 
 _PROOF = """
@@ -96,7 +96,7 @@ def mapped(component: wiring.Component, folder: Path) -> Block:
     (folder / "source.il").write_text(rtlil.convert(component, name="design", emit_src=False))
     tree, verilog = synthesis.map_component(component, "design")
     (folder / "netlist.v").write_text(verilog)
-    (folder / "cells.v").write_text(synthesis.rule_text("cells.v"))
+    (folder / "cells.v").write_text(rules.rule_text("cyclone4", "cells.v"))
     return tree
 
 

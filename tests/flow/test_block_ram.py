@@ -16,7 +16,7 @@ from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 from numpy.typing import NDArray
 
-from flow import synthesis
+from flow import rules, synthesis
 from flow.area import Area
 from sim import Stimulus, make_engine
 
@@ -113,7 +113,7 @@ def mapped(folder: Path, width: int, build: Build) -> tuple[Area, str, bool]:
     """What a bench takes, its netlist, and whether that does the same as its source."""
     tree, verilog = synthesis.map_component(Bench(width, build), "bench")
     path = folder / "gates.v"
-    path.write_text(synthesis.rule_text("cells.v") + verilog)
+    path.write_text(rules.rule_text("cyclone4", "cells.v") + verilog)
     found = outputs(make_engine("verilog", Bench(width, build), verilog=path))
     return tree.area, verilog, found == outputs(make_engine("amaranth", Bench(width, build)))
 
@@ -216,12 +216,12 @@ def test_some_of_all_is_right(tmp_path: Path) -> None:
     ],
 )
 def test_faults_are_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, right: str, wrong: str) -> None:
-    whole = synthesis.rule_text
+    whole = rules.rule_text
 
-    def changed(name: str) -> str:
-        text = whole(name)
+    def changed(device: str, name: str) -> str:
+        text = whole(device, name)
         assert name != "memory.v" or right in text
         return text.replace(right, wrong) if name == "memory.v" else text
 
-    monkeypatch.setattr(synthesis, "rule_text", changed)
+    monkeypatch.setattr(rules, "rule_text", changed)
     assert not mapped(tmp_path, 57, some_of_all)[2]

