@@ -1,6 +1,6 @@
 """Output registers of ECP5's block RAM, which Yosys leaves unused: flip-flops behind it move into it.
 
-Quartus does so with the M9K. Without, a block's way to its output alone takes 5.8 ns of ECP5's slowest grade, with it 1.
+Quartus does so with the M9K. In the slowest grade a block takes 5.8 ns to its output, and 1 ns from this register.
 """
 
 from __future__ import annotations

@@ -78,4 +78,4 @@ def test_by_hand(name: EngineName) -> None:
 
 
 def test_latency() -> None:
-    assert CentreRows.latency == 1
+    assert CentreRows.latency == 2

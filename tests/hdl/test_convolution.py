@@ -11,8 +11,7 @@ import pytest
 from golden.convolution import KERNEL, smooth
 from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Gradient, Parameters
 from golden.preprocessing import products
-from hdl.convolution import Convolution
-from hdl.preprocessing import products_layout
+from hdl.convolution import Convolution, products_layout
 from hdl.stream import Beat
 from sim.engine import EngineName
 from sim.stimulus import Stalls
@@ -41,16 +40,23 @@ Pair = tuple[Array, Array]
 
 
 def streams(frames: list[Pair], parameters: Parameters) -> tuple[dict[str, Words], dict[str, Words]]:
-    """Of frames of gradients, (gx, gy): the squares, and the smoothed golden products."""
+    """Of frames of gradients, (gx, gy): their sizes, and the smoothed golden products."""
     block = Convolution(parameters)
     tensors = [products(gx, gy, parameters.gradient) for gx, gy in frames]
-    squares = columns([np.stack([a, b, a + b - 2 * c], axis=-1) for a, b, c in tensors], 5)
+    sizes = columns(
+        [np.stack([abs(gx), abs(gy), difference(gx, gy, parameters)], axis=-1) for gx, gy in frames], 5
+    )
     smoothed = raster([np.stack([smooth(channel) for channel in tensor], axis=-1) for tensor in tensors])
-    given = pack(block.i.payload.shape(), fields(squares, "abd"))
-    return {"i": given}, {"o": pack(block.o.payload.shape(), fields(smoothed, "abc"))}
+    given = pack(block.i.payload.shape(), fields(sizes, ("gx", "gy", "difference")))
+    return {"i": given}, {"o": pack(block.o.payload.shape(), fields(smoothed, ("a", "b", "c")))}
 
 
-def fields(tagged: dict[str, Any], names: str) -> dict[str, Any]:
+def difference(gx: Array, gy: Array, parameters: Parameters) -> Array:
+    """Its square is gx² + gy² - 2·gx·gy, with or without signs."""
+    return np.abs(gx - gy if parameters.gradient == "signed" else np.abs(gx) - np.abs(gy))
+
+
+def fields(tagged: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
     return tagged | {"data": {name: tagged["data"][:, k] for k, name in enumerate(names)}}
 
 
@@ -124,6 +130,13 @@ def test_halves_round_away_from_zero(name: EngineName) -> None:
     assert cross.tolist() == rounded
 
 
-@pytest.mark.parametrize(("gradient", "clocks"), [("absolute", 2), ("signed", 3)])
+@pytest.mark.parametrize(("gradient", "clocks"), [("absolute", 5), ("signed", 6)])
 def test_latency(gradient: Gradient, clocks: int) -> None:
+    """Tables 2, outer rows, all rows, the window; with signs one more for rounding."""
     assert Convolution(Parameters(gradient=gradient)).latency == clocks
+
+
+@pytest.mark.parametrize(("gradient", "bits"), [("absolute", 8 * 3584), ("signed", 5 * 3584 + 3 * 8192)])
+def test_memory(gradient: Gradient, bits: int) -> None:
+    """Fifteen look-ups of 8 bits share eight tables; with signs, five of them are of 9 bits."""
+    assert Convolution(Parameters(gradient=gradient)).memory_bits == bits

@@ -118,13 +118,13 @@ def test_every_pixel_width(gradient: Gradient, bits: int) -> None:
 
 
 def test_latency() -> None:
-    """Sizes, their halves' difference, look-up 2, sum, radicand; root 17, or in steps of three bits 6; D."""
-    assert Response(ABSOLUTE).latency == 6 + 17 + 1
-    assert Response(SIGNED).latency == 6 + 6 + 1
+    """A - B, sizes, their halves' difference, look-up 2, sum, radicand; root 17, or in steps of three bits 6; D."""
+    assert Response(ABSOLUTE).latency == 7 + 17 + 1
+    assert Response(SIGNED).latency == 7 + 6 + 1
 
 
 def test_memory_bits() -> None:
-    """Tables of 256 and of 512 squares without their five low bits, and what waits beside and in the root."""
-    tables = 11 * (2 * 256 + 512)
-    wait, radicand = 19 * (23 - 2), 2 * (14 * 2 + 14 * 3)
+    """Tables of 256 and of 512 squares without their two low bits, and what waits beside and in the root."""
+    tables = 14 * (2 * 256 + 512)
+    wait, radicand = 19 * (24 - 2), 2 * (10 * 2 + 14 * 3)
     assert Response(ABSOLUTE).memory_bits == tables + wait + radicand

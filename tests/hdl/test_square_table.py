@@ -63,7 +63,7 @@ def check(
 
 
 @pytest.mark.parametrize(
-    ("bits", "signed_numbers"), [*((n, False) for n in range(3, 12)), *((n, True) for n in range(4, 12))]
+    ("bits", "signed_numbers"), [*((n, False) for n in range(2, 12)), *((n, True) for n in range(3, 12))]
 )
 def test_every_number(bits: int, signed_numbers: bool) -> None:
     """At one port counting up, at the other in no order."""
@@ -80,13 +80,13 @@ def test_stalls(name: EngineName, stalls: Stalls) -> None:
 
 
 def test_memory_bits() -> None:
-    """11 of 16 bits of 256 squares; 3 of 8 bits of 16; signed, 11 of 16 bits of 512."""
-    assert SquareTable(8).memory_bits == 11 * 256
-    assert SquareTable(4).memory_bits == 3 * 16
-    assert SquareTable(9, signed_numbers=True).memory_bits == 11 * 512
+    """14 of 16 bits of 256 squares; 6 of 8 bits of 16; signed, 14 of 16 bits of 512."""
+    assert SquareTable(8).memory_bits == 14 * 256
+    assert SquareTable(4).memory_bits == 6 * 16
+    assert SquareTable(9, signed_numbers=True).memory_bits == 14 * 512
 
 
-@pytest.mark.parametrize(("signed_numbers", "fewest"), [(False, 3), (True, 4)])
+@pytest.mark.parametrize(("signed_numbers", "fewest"), [(False, 2), (True, 3)])
 def test_too_narrow(signed_numbers: bool, fewest: int) -> None:
     with pytest.raises(ValueError, match=f"allowed: whole numbers from {fewest}"):
         SquareTable(fewest - 1, signed_numbers=signed_numbers)

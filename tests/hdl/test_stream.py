@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from amaranth.hdl import Module, Mux, Signal
+from amaranth.hdl import Module
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.sim import Simulator
 
-from hdl.stream import Beat, Columns, Pipeline, Queue, SkidBuffer, WindowCounter
+from hdl.stream import Beat, Columns, Pipeline, SkidBuffer, WindowCounter
 from sim.engine import EngineName
 from sim.stimulus import Stalls
 from tests.hdl.blocks import (
@@ -23,7 +23,6 @@ from tests.hdl.blocks import (
     Words,
     assert_timing,
     engine,
-    latency,
     pack,
     raster,
     run,
@@ -73,87 +72,6 @@ def test_skid_buffer_holds_two_and_its_ready_comes_from_a_register() -> None:
     simulator.add_clock(1e-8)
     simulator.add_testbench(bench)
     simulator.run()
-
-
-@every_run
-@pytest.mark.parametrize("depth", [4, 5, 16])
-def test_queue(depth: int, name: EngineName, stalls: Stalls) -> None:
-    beats = numbers(name)
-    capture = run(engine(name, Queue, BITS, depth), {"i": beats}, {"o": beats}, stalls)
-    if not stalls.outputs:
-        assert (latency(capture) == Queue.latency).all()
-    if stalls == NO_STALLS:
-        assert_timing(capture, Queue.latency)
-
-
-@pytest.mark.parametrize("depth", [4, 5, 8, 16, 20])
-def test_queue_has_room_for_two_more_when_it_says_no(depth: int) -> None:
-    dut = Queue(BITS, depth)
-
-    async def bench(ctx: Any) -> None:
-        ctx.set(dut.i.valid, 1)
-        written, while_room = 0, 0
-        for _ in range(depth + 10):
-            ctx.set(dut.i.payload, 100 + written)
-            while_room += ctx.get(dut.room)
-            written += ctx.get(dut.i.ready)
-            await ctx.tick()
-        assert (written, while_room) == (depth, depth - 2)
-        # each beat read makes one place; room comes back when two are sure
-        ctx.set(dut.i.valid, 0)
-        ctx.set(dut.o.ready, 1)
-        rooms = []
-        for beat in range(depth):
-            assert ctx.get(dut.o.valid) and ctx.get(dut.o.payload) == 100 + beat
-            rooms.append(ctx.get(dut.room))
-            await ctx.tick()
-        assert not ctx.get(dut.o.valid)
-        rooms.append(ctx.get(dut.room))
-        # four places free, and a clock for the register
-        assert rooms == [0] * 5 + [1] * (depth - 4)
-
-    simulator = Simulator(dut)
-    simulator.add_clock(1e-8)
-    simulator.add_testbench(bench)
-    simulator.run()
-
-
-class Hurried(wiring.Component):
-    """A source that looks at ``room`` alone, and then puts two beats in: one now, one in the next clock."""
-
-    def __init__(self, depth: int) -> None:
-        self._depth = depth
-        port = stream.Signature(BITS)
-        super().__init__({"i": In(port), "o": Out(port), "lost": Out(stream.Signature(1))})
-
-    def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        m.submodules.queue = queue = Queue(BITS, self._depth)
-        step, again, repeated = Signal(), Signal(), Signal(BITS)
-        m.d.comb += [
-            self.i.ready.eq(queue.room & ~again),
-            step.eq(self.i.valid & self.i.ready),
-            queue.i.valid.eq(step | again),
-            queue.i.payload.eq(Mux(again, repeated, self.i.payload)),
-        ]
-        m.d.sync += [again.eq(step), repeated.eq(~self.i.payload)]
-        with m.If(queue.i.valid & ~queue.i.ready):
-            m.d.sync += self.lost.valid.eq(1)
-        wiring.connect(m, queue.o, wiring.flipped(self.o))
-        return m
-
-
-@every_run
-@pytest.mark.parametrize("depth", [4, 5, 9])
-def test_queue_never_overflows_where_room_is_minded(depth: int, name: EngineName, stalls: Stalls) -> None:
-    beats = numbers(name)
-    both = np.stack([beats, ~beats & np.uint64((1 << BITS) - 1)], axis=1).reshape(-1)
-    run(engine(name, Hurried, depth), {"i": beats}, {"o": both, "lost": beats[:0]}, stalls, clocks=3)
-
-
-def test_queue_too_short_for_room() -> None:
-    with pytest.raises(ValueError, match="depth is 3; allowed: whole numbers from 4"):
-        Queue(BITS, 3)
 
 
 class Permitted(wiring.Component):

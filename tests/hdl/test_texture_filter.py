@@ -151,4 +151,4 @@ def test_thresholds_are_kept_until_the_last_result_is_taken() -> None:
 
 
 def test_latency() -> None:
-    assert TextureFilter.latency == 4
+    assert TextureFilter.latency == 5
