@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from cornerstream.errors import BadInput, Failed, one_line
-from sim import CompilationError, CompilerNotFoundError, SimulationError
+from cornerstream.errors import BadInput, one_line
+from cornerstream.tools import running_tools
 from sim.compiler import find_compiler
 
 
@@ -36,11 +36,9 @@ def bench(repeats: int, turns: int, no_engines: bool, as_json: bool) -> None:
 
     try:
         speed.opencv()
+    except speed.MissingPackageError as error:
+        raise BadInput(one_line(error)) from error
+    with running_tools():
         if not no_engines:
             find_compiler()
-    except (speed.MissingPackageError, CompilerNotFoundError) as error:
-        raise BadInput(one_line(error)) from error
-    try:
         speed.main(as_json=as_json, repeats=repeats, turns=turns, engines=not no_engines)
-    except (CompilationError, SimulationError) as error:
-        raise Failed(one_line(error)) from error

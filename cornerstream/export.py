@@ -12,17 +12,17 @@ from typing import Any
 import click
 
 from cornerstream import console
-from cornerstream.errors import BadInput, Failed, bad_input, one_line, reason
+from cornerstream.errors import BadInput, bad_input, reason
 from cornerstream.files import prepare_folder, write_all
-from cornerstream.options import detector_options, output_option, parameters_from
+from cornerstream.options import detector_options, output_option, parameters_from, pixel_bits_option
+from cornerstream.tools import running_tools
 from flow.quartus.project import DEVICE, MANIFEST, project_files
-from flow.verilog import VerilogError
 
 
 @click.command(short_help="Quartus project.")
 @output_option("build/quartus", "Folder of the project.")
 @detector_options
-@click.option("--pixel-bits", type=int, default=8, show_default=True, help="Width of a pixel, 4 to 10.")
+@pixel_bits_option
 @click.option("--clock", type=float, default=100.0, show_default=True, metavar="MHZ", help="Clock asked for.")
 @click.option("--force", is_flag=True, help="Write into a folder that holds other files, too.")
 def export(output: Path, clock: float, force: bool, **options: Any) -> None:
@@ -38,12 +38,8 @@ def export(output: Path, clock: float, force: bool, **options: Any) -> None:
     """
     parameters = parameters_from(options, hardware=True)
     old = _old_files(output, force=force)
-    with console.activity("Generating Verilog"):
-        try:
-            with bad_input():
-                files = project_files(parameters, clock_mhz=clock)
-        except VerilogError as error:
-            raise Failed(f"Yosys: {one_line(error)}") from error
+    with console.activity("Generating Verilog"), running_tools(), bad_input():
+        files = project_files(parameters, clock_mhz=clock)
     _write(output, files, old)
     console.say(
         f"Written: {output}, {len(files)} files: {DEVICE}, up to {parameters.max_width}x{parameters.max_height} "

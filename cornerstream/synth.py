@@ -11,14 +11,14 @@ import click
 from rich.table import Table
 
 from cornerstream import console
-from cornerstream.errors import BadInput, Failed, one_line
 from cornerstream.files import prepare_folder, write_all
-from cornerstream.options import detector_options, parameters_from
+from cornerstream.options import detector_options, parameters_from, pixel_bits_option
 from cornerstream.plot import check_plot, draw_area
+from cornerstream.tools import running_tools
 from flow.area import Area
 from flow.synthesis import Synthesis, synthesize
 from flow.timing import Timing, place_and_route
-from flow.yowasp import ToolError, ToolNotFoundError, require
+from flow.yowasp import require
 from golden import Parameters
 
 _STAND_IN = "nextpnr for ECP5 -6 stands in for Quartus, whose delays no free tool knows"
@@ -26,7 +26,7 @@ _STAND_IN = "nextpnr for ECP5 -6 stands in for Quartus, whose delays no free too
 
 @click.command(short_help="Area and clock frequency.")
 @detector_options
-@click.option("--pixel-bits", type=int, default=8, show_default=True, help="Width of a pixel, 4 to 10.")
+@pixel_bits_option
 @click.option("--no-timing", is_flag=True, help="Leave place and route out, which takes minutes.")
 @click.option("--seed", type=click.IntRange(min=1), default=1, show_default=True, help="Of the placement.")
 @click.option("--netlist", type=click.Path(path_type=Path), metavar="FILE", help="Write the mapped Verilog.")
@@ -56,7 +56,7 @@ def synth(
       cornerstream synth --no-timing --plot build/area.png --netlist build/netlist.v
     """
     parameters = parameters_from({"profile": profile, **options}, hardware=True)
-    try:
+    with running_tools():
         tools = {name: require(name) for name in _packages(no_timing)}
         if plot is not None:
             check_plot(plot)
@@ -66,10 +66,6 @@ def synth(
         with console.activity("Mapping to Cyclone IV"):
             synthesis = synthesize(parameters)
         timing = None if no_timing else _timing(parameters, seed)
-    except ToolNotFoundError as error:
-        raise BadInput(one_line(error)) from error
-    except ToolError as error:
-        raise Failed(one_line(error)) from error
     files = {}
     if netlist is not None:
         files[netlist] = synthesis.verilog.encode()

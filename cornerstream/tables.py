@@ -12,9 +12,9 @@ from cornerstream import console
 from cornerstream.errors import BadInput, Failed, one_line, reason
 from cornerstream.files import prepare_folder, write_all
 from cornerstream.options import output_option
+from cornerstream.tools import running_tools
 from evaluation.comparison import FIGURES_NAME, PAGE_NAME, page
 from evaluation.figures import SIZES, FigureError, Record, builds, measure
-from sim import CompilationError, CompilerNotFoundError, SimulationError
 from sim.compiler import find_compiler
 
 CACHE = Path("build") / "comparison"
@@ -68,19 +68,16 @@ def _read(path: Path) -> Record:
 
 
 def _measure(*, quick: bool, synthesis: bool, jobs: int) -> Record:
-    from flow.yowasp import ToolError, ToolNotFoundError
-
     chosen = builds(SIZES[-1:]) if quick else builds()
     try:
-        find_compiler()
-        return measure(
-            *(chosen, CACHE),
-            synthesis=synthesis,
-            place=synthesis and not quick,
-            jobs=jobs,
-            notify=console.say,
-        )
-    except (CompilerNotFoundError, ToolNotFoundError) as error:
-        raise BadInput(one_line(error)) from error
-    except (CompilationError, FigureError, SimulationError, ToolError) as error:
+        with running_tools():
+            find_compiler()
+            return measure(
+                *(chosen, CACHE),
+                synthesis=synthesis,
+                place=synthesis and not quick,
+                jobs=jobs,
+                notify=console.say,
+            )
+    except FigureError as error:
         raise Failed(one_line(error)) from error

@@ -9,14 +9,16 @@ from typing import Any
 import click
 
 from cornerstream import console
-from cornerstream.errors import Failed, bad_input, one_line
+from cornerstream.errors import bad_input
 from cornerstream.files import prepare_folder, write_all
-from cornerstream.options import detector_options, parameters_from
+from cornerstream.options import detector_options, parameters_from, pixel_bits_option
+from cornerstream.tools import running_tools
+from flow.verilog import emit_verilog
 
 
 @click.command(short_help="The core as Verilog.")
 @detector_options
-@click.option("--pixel-bits", type=int, default=8, show_default=True, help="Width of a pixel, 4 to 10.")
+@pixel_bits_option
 @click.option("--output", "-o", type=click.Path(path_type=Path), metavar="FILE", help="Default: stdout.")
 def verilog(output: Path | None, **options: Any) -> None:
     """Write the core as Verilog-2001, one file, top module 'cornerstream'.
@@ -26,17 +28,11 @@ def verilog(output: Path | None, **options: Any) -> None:
       cornerstream verilog -o cornerstream.v
       cornerstream verilog --profile robust --max-width 1280 --max-height 720 -o corners720.v
     """
-    from flow.verilog import VerilogError, emit_verilog
-
     parameters = parameters_from(options, hardware=True)
     if output is not None:
         prepare_folder(output.parent)
-    with console.activity("Generating Verilog"):
-        try:
-            with bad_input():
-                text = emit_verilog(parameters)
-        except VerilogError as error:
-            raise Failed(f"Yosys: {one_line(error)}") from error
+    with console.activity("Generating Verilog"), running_tools(), bad_input():
+        text = emit_verilog(parameters)
     if output is None:
         sys.stdout.write(text)
     else:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -12,13 +13,16 @@ from click.testing import CliRunner
 from numpy.typing import NDArray
 
 from cornerstream.cli import main
+from evaluation.comparison import FIGURES_NAME
 from golden import Settings, detect, profile
 from hdl.circular_buffer import CircularBuffer
 from hdl.detector import Detector
 from hdl.subpixel import Subpixel
 from tests.photographs import PHOTOGRAPHS, photograph
 
-README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def rows(first_cell: str) -> list[str]:
@@ -34,7 +38,7 @@ def test_latency_table(buffering: str, column: int) -> None:
     for name, block in detector.blocks.items():
         assert rows(name)[column] == str(block.latency)
     total = rows("**end of frame**")[column]
-    fixed, per_width = (42, 2) if buffering == "banked" else (44, 0)
+    fixed, per_width = (45, 2) if buffering == "banked" else (48, 0)
     assert total == (f"{fixed} + {per_width}·width" if per_width else str(fixed))
     for width in (15, 100, 1920):
         assert detector.frame_latency(width) == fixed + per_width * width
@@ -48,6 +52,22 @@ def test_memory_bits() -> None:
     lean, banked = bits("lean"), bits("banked")
     assert f"{lean:,} instead of {banked:,} bits" in README
     assert f"{round(100 * lean / banked)} % of the memory" in README
+
+
+@pytest.mark.parametrize("buffering", ["lean", "banked"])
+def test_synthesis_figures(buffering: str) -> None:
+    """Of the paper's size, as committed with the comparison page."""
+    wanted = {"profile": "paper", "buffering": buffering, "width": 1200, "height": 720}
+    builds = json.loads((DOCS / FIGURES_NAME).read_text(encoding="utf-8"))["builds"]
+    (build,) = (each for each in builds if wanted.items() <= each.items())
+    place = ["lean", "banked"].index(buffering)
+    area = re.search(
+        r"takes ([\d,]+) logic\s+elements .* with `lean` buffers and ([\d,]+) with `banked`", README
+    )
+    speed = re.search(r"clock reaches\s+([\d.]+) and ([\d.]+) MHz", README)
+    assert area and speed
+    assert area.groups()[place] == f"{build['le_packed']:,}"
+    assert speed.groups()[place] == f"{build['fmax_mhz']:.1f}"
 
 
 def test_refinement() -> None:

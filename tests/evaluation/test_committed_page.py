@@ -34,6 +34,21 @@ def test_committed_figures_are_complete() -> None:
         assert figure["le_lower"] <= figure["le_packed"] <= figure["le_upper"]
 
 
+@pytest.mark.parametrize(
+    ("buffering", "elements", "memory_bits", "mhz"),
+    [("lean", 5000, 260_000, 150), ("banked", 6500, 803_104, 100)],
+)
+def test_committed_figures_reach_the_targets(
+    buffering: str, elements: int, memory_bits: int, mhz: float
+) -> None:
+    """At the size of the paper's Table 1: less than the paper's 6,507 elements and 803,104 bits at 100 MHz."""
+    wanted = {"profile": "paper", "buffering": buffering, "width": 1200, "height": 720}
+    (build,) = (found for found in committed()["builds"] if wanted.items() <= found.items())
+    assert build["le_packed"] <= elements and build["memory_bits"] <= memory_bits
+    assert build["fmax_mhz"] >= mhz and build["multipliers"] == 0
+    assert build["clocks_per_frame"] == 1200 * 720
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("build", QUICK, ids=lambda build: build.name)
 def test_cheap_figures_are_measured_anew(build: Build) -> None:

@@ -16,8 +16,14 @@ from numpy.typing import NDArray
 
 from flow.verilog import emit_verilog
 from golden import Parameters, Settings, StreamModel, decode_frame_end, profile
+from golden.parameters import SUPPORT, WINDOW_SIZE
+from hdl.centre_rows import CentreRows
+from hdl.corner_detection import CornerDetection
 from hdl.detector import Detector
 from hdl.subpixel import Subpixel
+from hdl.surface import SurfaceFit
+from hdl.texture_filter import TextureFilter
+from hdl.thresholds import Thresholds
 from sim.engine import Engine, make_engine
 from sim.frames import (
     Frame,
@@ -334,6 +340,18 @@ def test_the_emitted_verilog_in_an_independent_simulator(name: str, tmp_path: Pa
 def test_latency_is_the_sum_of_the_blocks(parameters: Parameters) -> None:
     detector = Detector(parameters)
     assert detector.latency == sum(block.latency for block in detector.blocks.values()) + 1
+
+
+@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+def test_what_moves_in_step_is_equally_long(parameters: Parameters) -> None:
+    late = CentreRows.latency
+    assert TextureFilter.latency == late + CornerDetection.latency == late + SurfaceFit.latency
+
+
+@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+def test_thresholds_are_there_before_the_first_column(parameters: Parameters) -> None:
+    """Of the smallest frame, whose rows lose two columns to the gradients and four to smoothing."""
+    assert Thresholds(parameters).clocks < (WINDOW_SIZE - 1) * (SUPPORT - 6)
 
 
 def test_the_printed_fit_exists_in_the_golden_model_only() -> None:
