@@ -81,25 +81,23 @@ class CircularBuffer(wiring.Component):
         m.submodules.rows = memory = Memory(shape=width * kept, depth=self._max_width, init=[])
         read, write = memory.read_port(), memory.write_port()
 
-        step = Signal()
-        x = Signal(range(self._max_width))
-        rows_seen = Signal(range(self._rows))
-        complete = rows_seen == kept
-        m.d.comb += step.eq(pipe.valid & pipe.advance)
-        with m.If(step):
-            m.d.sync += x.eq(x + 1)
-            with m.If(self.i.payload.eol):
-                m.d.sync += x.eq(0)
-                with m.If(self.i.payload.eof):
-                    m.d.sync += rows_seen.eq(0)
-                with m.Elif(~complete):
-                    m.d.sync += rows_seen.eq(rows_seen + 1)
-
         # one clock for the memory's own register, one for ours behind it
+        x = Signal(range(self._max_width))
+        with m.If(pipe.valid & pipe.advance):
+            m.d.sync += x.eq(Mux(self.i.payload.eol, 0, x + 1))
         m.d.comb += [read.addr.eq(x), read.en.eq(pipe.advance)]
         arrived = pipe.register(pipe.valid, "arrived", reset=True)
-        ends = pipe.register(arrived & pipe.register(complete, "complete"), "valid", reset=True)
-        tags = pipe.delay(Cat(self.i.payload.eol, self.i.payload.eof), 2, "tags")
+        eol, eof = (pipe.register(tag, "arrived_tag") for tag in (self.i.payload.eol, self.i.payload.eof))
+        tags = pipe.register(Cat(eol, eof), "tags")
+
+        rows_seen = Signal(range(self._rows))
+        complete = rows_seen == kept
+        with m.If(arrived & eol & pipe.advance):
+            with m.If(eof):
+                m.d.sync += rows_seen.eq(0)
+            with m.Elif(~complete):
+                m.d.sync += rows_seen.eq(rows_seen + 1)
+        ends = pipe.register(arrived & complete, "valid", reset=True)
         newest = pipe.register(self.i.payload.data, "newest")
         column = pipe.register(Cat(read.data, newest), "column")
 

@@ -58,19 +58,20 @@ class FrameControl(wiring.Component):
             step.eq(self.i.valid & self.i.ready),
         ]
 
+        # what is compared is a pixel early, and a row, so that the ends are registers; never 0, where all begins
         x, y = Signal(range(self._parameters.max_width)), Signal(range(self._parameters.max_height))
-        last_x, last_y = Signal.like(x), Signal.like(y)
-        eol = ~first & (x == last_x)
-        eof = eol & (y == last_y)
+        last_but_one_x, last_but_one_y = (Signal.like(place, init=SUPPORT - 2) for place in (x, y))
+        eol, last_row, eof = Signal(), Signal(), Signal()
+        m.d.comb += eof.eq(eol & last_row)
         with m.If(step):
-            m.d.sync += [first.eq(eof), x.eq(Mux(eol, 0, x + 1))]
+            m.d.sync += [first.eq(eof), x.eq(Mux(eol, 0, x + 1)), eol.eq(x == last_but_one_x)]
             with m.If(eol):
-                m.d.sync += y.eq(Mux(eof, 0, y + 1))
+                m.d.sync += [y.eq(Mux(last_row, 0, y + 1)), last_row.eq(y == last_but_one_y)]
         # sampled in every clock up to that of the first pixel, which so need not be known here
         with m.If(first & ~self.settings.valid):
             m.d.sync += [
-                last_x.eq(_clamped(self.width, self._parameters.max_width) - 1),
-                last_y.eq(_clamped(self.height, self._parameters.max_height) - 1),
+                last_but_one_x.eq(_clamped(self.width, self._parameters.max_width) - 2),
+                last_but_one_y.eq(_clamped(self.height, self._parameters.max_height) - 2),
                 self.settings.payload.eq(self.next_settings),
             ]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Signal, unsigned
+from amaranth.hdl import C, Module, Signal, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import SMOOTHING_SIZE, Parameters
-from hdl.arithmetic import magnitude
+from hdl.arithmetic import add_with_carry, magnitude
 from hdl.stream import Columns, Pipeline, WindowCounter
 
 PIXEL_ROWS = SMOOTHING_SIZE + 2
@@ -33,7 +33,7 @@ class Preprocessing(wiring.Component):
     anew for each of the five rows of the smoothing window that it passes: pixels wait in less memory.
 
         clock 1   gx, gy
-        clock 2   |gx|, |gy|, and |gx| - |gy| (absolute) or gx - gy (signed)
+        clock 2   |gx|, |gy|, and ±(|gx| - |gy|) (absolute) or gx - gy (signed)
 
     The size of the difference comes from an adder, not from a register: the next block should not compute with it.
 
@@ -63,7 +63,10 @@ class Preprocessing(wiring.Component):
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, 3, step=step, eol=self.i.payload.eol)
         for row, (gx, gy) in enumerate(self._gradients(pipe)):
-            difference = gx - gy if self._signed else magnitude(gx) - magnitude(gy)
+            # | |gx| - |gy| | is |gx - gy| where the signs are equal, |gx + gy| where not
+            subtract = C(1, 1) if self._signed else ~(gx[-1] ^ gy[-1])
+            second = (gy.as_unsigned() ^ subtract.replicate(len(gy))).as_signed()
+            difference = add_with_carry(gx, second, subtract)[: len(gx) + self._signed].as_signed()
             sizes = self.o.payload.data[row]
             m.d.comb += [
                 sizes.gx.eq(pipe.register(magnitude(gx), f"gx_size_{row}")),

@@ -46,8 +46,8 @@ class Response(wiring.Component):
         self._bits = parameters.root_bits
         self._response = unsigned(parameters.response_bits)
         self._root = SquareRoot(self._bits, parameters.sqrt_bits_per_stage)
-        # all but the last clock, which takes the difference
-        self._line = DelayLine(self._bits + 2, RADICAND_LATENCY + self._root.latency)
+        # one clock less: its last register stands by itself, because the line is block RAM and so far away
+        self._line = DelayLine(self._bits + 2, RADICAND_LATENCY + self._root.latency - 1)
         self._halves = [SquareTable(self._half) for _ in range(2)]
         self._differences = SquareTable(self._half + 1, signed_numbers=True)
         super().__init__(
@@ -59,7 +59,8 @@ class Response(wiring.Component):
 
     @property
     def latency(self) -> int:
-        return self._line.latency + 1
+        """The last clock takes the difference."""
+        return RADICAND_LATENCY + self._root.latency + 1
 
     @property
     def memory_bits(self) -> int:
@@ -78,7 +79,8 @@ class Response(wiring.Component):
             line.enable.eq(pipe.advance),
             line.i.eq(Cat((a + b)[: self._bits], self.i.payload.eol, self.i.payload.eof)),
         ]
-        total, tags = line.o[: self._bits], line.o[self._bits :]
+        waited = pipe.register(line.o, "waited")
+        total, tags = waited[: self._bits], waited[self._bits :]
         difference = total - root.root
         # one clear of the whole register where D would be negative
         clamped = Mux(difference[-1], 0, difference[: self._response.width])

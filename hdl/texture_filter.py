@@ -89,8 +89,8 @@ class TextureFilter(wiring.Component):
     are added instead. Everything is summed down the columns first; a chain of additions then takes what each
     column has to add, and keeps it for the later columns. Three neighbours of its sum make tau.
 
-    Clocks: 1 differences, 2 sums down the column, 3 chain along the row, 4 three neighbours against T2, 5 only to
-    take as long as the blocks beside it.
+    Clocks: 1 differences, 2 sums down the column, 3 chain along the row, 4 three neighbours against T2, 5 what
+    follows from that.
 
     Members
     -------
@@ -127,11 +127,12 @@ class TextureFilter(wiring.Component):
         window = WindowCounter(m, WINDOW_SIZE, step=beat[3] & pipe.advance, eol=eol)
 
         column = self._along_row(pipe, self._down_columns(pipe, beat[1]), beat[2])
-        textured = pipe.delay(self._is_textured(pipe, column, beat[3]), 2, "textured")
+        textured = pipe.register(self._is_textured(pipe, column, beat[3]), "is_textured")
+        keep = ~textured | self.thresholds.payload.report_rejected
         m.d.comb += [
             self.o.valid.eq(pipe.delay(beat[3] & window.complete, 2, "valid", reset=True)),
-            self.o.payload.data.textured.eq(textured),
-            self.o.payload.data.keep.eq(~textured | self.thresholds.payload.report_rejected),
+            self.o.payload.data.textured.eq(pipe.register(textured, "textured")),
+            self.o.payload.data.keep.eq(pipe.register(keep, "keep")),
             self.o.payload.eol.eq(pipe.delay(eol, 2, "last_eol")),
             self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
         ]

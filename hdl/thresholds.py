@@ -99,23 +99,21 @@ class Thresholds(wiring.Component):
             start.eq(step & first),
         ]
 
-        # largest response so far, and of the previous frame
-        largest, now_largest = Signal(bits), Signal(bits)
-        previous, any_previous = Signal(bits), Signal()
+        # largest response so far: of the frame before, until the next one begins
+        largest, now_largest, any_previous = Signal(bits), Signal(bits), Signal()
         m.d.comb += now_largest.eq(Mux(first | (response > largest), response, largest))
         with m.If(self.maximum.ready):
             m.d.sync += self.maximum.valid.eq(0)
         with m.If(step):
             m.d.sync += [largest.eq(now_largest), first.eq(eof)]
             with m.If(eof):
-                m.d.sync += [
-                    previous.eq(now_largest),
-                    any_previous.eq(1),
-                    self.maximum.payload.eq(now_largest),
-                    self.maximum.valid.eq(1),
-                ]
+                m.d.sync += [any_previous.eq(1), self.maximum.valid.eq(1)]
+        # loaded in every clock up to that of the last response, as the reference is up to that of the first: when
+        # these come is known late in a clock
+        with m.If(~self.maximum.valid):
+            m.d.sync += self.maximum.payload.eq(now_largest)
 
-        self._multiply(m, start=start, busy=busy, previous=previous, any_previous=any_previous)
+        self._multiply(m, start=start, busy=busy, previous=largest, any_previous=any_previous)
         return m
 
     def _multiply(
@@ -136,9 +134,9 @@ class Thresholds(wiring.Component):
             m.d.sync += self.thresholds.valid.eq(0)
         m.d.sync += [chosen.eq(start), referred.eq(chosen)]
         m.d.comb += self.settings.ready.eq(referred)
-        with m.If(start):
+        with m.If(~busy):
             candidate = Mux(settings.use_constant | ~any_previous, settings.constant, previous)
-            m.d.sync += [reference.eq(candidate), busy.eq(1)]
+            m.d.sync += [reference.eq(candidate), busy.eq(start)]
         with m.If(chosen & (reference < settings.floor)):
             m.d.sync += reference.eq(settings.floor)
         with m.If(referred):

@@ -126,5 +126,5 @@ def test_latency() -> None:
 def test_memory_bits() -> None:
     """Tables of 256 and of 512 squares without their two low bits, and what waits beside and in the root."""
     tables = 14 * (2 * 256 + 512)
-    wait, radicand = 19 * (24 - 2), 2 * (10 * 2 + 14 * 3)
+    wait, radicand = 19 * (23 - 2), 2 * (10 * 2 + 14 * 3)
     assert Response(ABSOLUTE).memory_bits == tables + wait + radicand
