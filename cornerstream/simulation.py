@@ -166,13 +166,12 @@ def _check_tools(engine: str) -> None:
 
 
 def _engine(name: str, parameters: Parameters) -> Engine:
-    if name == _GATES:
-        with running_tools():
+    with running_tools(), TemporaryDirectory(prefix="cornerstream-") as folder:
+        if name == _GATES:
             return gate_level_engine(parameters, notify=console.say)
-    detector = Detector(parameters)
-    if name != "verilog":
-        return make_engine(cast(EngineName, name), detector, notify=console.say)
-    with TemporaryDirectory(prefix="cornerstream-") as folder:
+        detector = Detector(parameters)
+        if name != "verilog":
+            return make_engine(cast(EngineName, name), detector, notify=console.say)
         path = Path(folder) / "cornerstream.v"
         path.write_text(detector_verilog(detector, parameters), encoding="utf-8")
         return make_engine("verilog", detector, verilog=path, notify=console.say)

@@ -68,8 +68,8 @@ def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
     Memories that the design writes are left without initial contents. Amaranth gives every memory some, zeros
     unless told otherwise; written out, these would be five sixths of the file, keep some synthesis tools
     from using block RAM, and slow down simulators. Leaving them out is safe here, because nothing depends on
-    what was not written: the one queue reads only what was put in, and of the line buffers no record depends
-    on values older than its own frame, or frames would influence each other. A test fills all these
+    what was not written: what queues read before it was put in is not valid, and of the line buffers no
+    record depends on values older than its own frame, or frames would influence each other. A test fills all these
     memories with noise at power-on and expects the same records. Memories that start with anything but
     zeros, or have no write port (tables), keep their contents.
     """

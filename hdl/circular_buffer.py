@@ -49,7 +49,7 @@ class CircularBuffer(wiring.Component):
     """
 
     def __init__(
-        self, shape: ShapeLike, rows: int, max_width: int, buffering: Buffering, *, registers: int = 0
+        self, shape: ShapeLike, rows: int, max_width: int, buffering: Buffering, registers: int = 0
     ) -> None:
         self._shape = Shape.cast(shape)
         self._rows = rows

@@ -1,4 +1,4 @@
-"""Small stream parts that every block uses: beats with raster tags, pipelines that stall, buffers, queues.
+"""Small stream parts that every block uses: beats with raster tags, pipelines that stall, buffers.
 
 All streams follow Amaranth's ``lib.stream``: valid never depends on ready, and a payload is held until taken.
 """

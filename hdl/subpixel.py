@@ -148,7 +148,10 @@ class Subpixel(wiring.Component):
     def _divide(
         self, m: Module, move: Value, phase: Value, mantissas: Derivatives[Value], sums: dict[str, Value]
     ) -> Value:
-        """Both quotients at once, by the same denominator; returns the offset."""
+        """Both quotients at once, by the same denominator; returns the offset.
+
+        Where a numerator is the least there can be, which has no magnitude, the surface has no peak.
+        """
         bits = self._quotient_bits
         concave, peak = Signal(reset_less=True), Signal(reset_less=True)
         denominator = Signal(bits, reset_less=True)

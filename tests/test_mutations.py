@@ -124,12 +124,26 @@ MUTATIONS = {
         "tests/hdl/test_thresholds.py",
         "by_hand and amaranth",
     ),
-    "the previous maximum is never updated": Mutation(
+    "the previous maximum never counts": Mutation(
         "hdl/thresholds.py",
         "any_previous.eq(1)",
         "any_previous.eq(0)",
         "tests/hdl/test_thresholds.py",
         "by_hand and amaranth",
+    ),
+    "the previous maximum lacks the frame's last response": Mutation(
+        "hdl/thresholds.py",
+        "m.d.sync += largest.eq(now_largest)",
+        "m.d.sync += largest.eq(Mux(eof, largest, now_largest))",
+        "tests/hdl/test_thresholds.py",
+        "by_hand and amaranth",
+    ),
+    "a size is sampled while settings wait": Mutation(
+        "hdl/frame_control.py",
+        "with m.If(first & ~self.settings.valid):",
+        "with m.If(first):",
+        "tests/hdl/test_frame_control.py",
+        "stay_as_they_are",
     ),
     "the golden model forgets the previous maximum": Mutation(
         "golden/detector.py",

@@ -31,7 +31,7 @@ _COLLISION = re.compile(r"(parameter \\COLLISION_X_MASK \d+')([01]+)")
 def relaxed(design: str) -> str:
     """RTLIL in which memories start with anything, and a read of what is being written may give anything.
 
-    For timing only. Line buffers never read what is being written; delay lines do, and an M9K gives them the
-    old value by itself.
+    For timing only. Line buffers never read what is being written, and queues only when they are empty and the value
+    does not count; delay lines do, and an M9K gives them the old value by itself.
     """
     return _COLLISION.sub(lambda match: match[1] + "1" * len(match[2]), without_zeros(design))

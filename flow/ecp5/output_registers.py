@@ -46,11 +46,17 @@ def _only_register(module: Module, ram: Cell, port: str, output: str) -> Cell | 
         return None
     # no reset is a reset that never comes
     fits = reader["CLK"] == ram[f"CLK{port}"] and reader["LSR"] in ("0", "x")
-    return reader if fits else None
+    plain = _mode(reader, "CLKMUX", "CLK") == "CLK" and _mode(reader, "CEMUX", "1") in ("CE", "1")
+    return reader if fits and plain else None
 
 
 def _enable(register: Cell) -> Bit:
-    return register["CE"] if register.json["parameters"].get("CEMUX") == "CE" else "1"
+    return register["CE"] if _mode(register, "CEMUX", "1") == "CE" else "1"
+
+
+def _mode(register: Cell, name: str, default: str) -> str:
+    """How a signal enters: as it is, inverted (``INV``), or as a constant."""
+    return str(register.json["parameters"].get(name, default)).rstrip()
 
 
 def _net(bit: Bit) -> int:

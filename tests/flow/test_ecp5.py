@@ -24,10 +24,10 @@ WIDTH, DEPTH = 20, 2000
 
 
 class Row(wiring.Component):
-    """A row of pixels and a register behind it; ``fault`` says why that one has to stay outside."""
+    """A row of pixels and a register behind it; ``kind`` says what is special, such as why it has to stay outside."""
 
-    def __init__(self, fault: str) -> None:
-        self._fault = fault
+    def __init__(self, kind: str) -> None:
+        self._kind = kind
         super().__init__(
             {
                 "enable": In(1),
@@ -50,18 +50,28 @@ class Row(wiring.Component):
             write.en.eq(1),
             read.en.eq(self.enable),
         ]
-        register = Signal(WIDTH, reset_less=self._fault != "reset")
-        with m.If(self.enable):
-            m.d.sync += register.eq(read.data ^ 1 if self._fault == "logic" else read.data)
-        if self._fault == "enables":
+        register = Signal(WIDTH, reset_less=self._kind != "reset")
+        enable = {"no enable": 1, "inverted enable": ~self.clear}.get(self._kind, self.enable)
+        with m.If(enable):
+            m.d["other" if self._kind == "other clock" else "sync"] += register.eq(
+                read.data ^ 1 if self._kind == "logic" else read.data
+            )
+        if self._kind == "enables":
             with m.If(self.clear):
                 m.d.sync += register[:10].eq(read.data[:10])
-        if self._fault == "reset":
+        elif self._kind == "reset":
             with m.If(self.clear):
                 m.d.sync += register.eq(0)
-        if self._fault == "read twice":
+        elif self._kind == "read twice":
             m.d.comb += self.at_once.eq(read.data)
-        m.d.comb += self.o.eq(register)
+        elif self._kind == "read by logic, too":
+            m.d.comb += self.at_once.eq(read.data & self.i)
+        elif self._kind == "an enable itself":
+            with m.If(read.data[0]):
+                m.d.sync += self.at_once[0].eq(self.clear)
+        # a bit that nobody else reads is read as an enable only
+        used = register & ~1 if self._kind == "an enable itself" else register
+        m.d.comb += self.o.eq(used)
         return m
 
 
@@ -82,13 +92,14 @@ def outputs(block: Cell) -> list[int]:
     return [bit for bit in bits if isinstance(bit, int)]
 
 
-def test_a_register_behind_a_row_moves_into_its_blocks(tmp_path: Path) -> None:
-    module = mapped(Row(""), tmp_path)
+@pytest.mark.parametrize("kind", ["", "no enable"])
+def test_a_register_behind_a_row_moves_into_its_blocks(tmp_path: Path, kind: str) -> None:
+    module = mapped(Row(kind), tmp_path)
     # a long row takes blocks of 9 bits, none of them with a multiplexer behind
     assert len(blocks(module)) == 3 and len(module.of_kind(FLIP_FLOP)) == WIDTH
     results = {cell["Q"] for cell in module.of_kind(FLIP_FLOP)}
-    enables = {cell["CE"] for cell in module.of_kind(FLIP_FLOP)}
-    assert len(enables) == 1
+    enables = {"1"} if kind else {cell["CE"] for cell in module.of_kind(FLIP_FLOP)}
+    assert len(enables) == 1 and (kind or isinstance(*enables, int))
     assert use_output_registers(module) == WIDTH
     assert not module.of_kind(FLIP_FLOP)
     driven = [net for block in blocks(module) for net in outputs(block) if module.readers.get(net)]
@@ -103,14 +114,25 @@ def test_a_register_behind_a_row_moves_into_its_blocks(tmp_path: Path) -> None:
     assert again.driver.keys() == module.driver.keys()
 
 
-@pytest.mark.parametrize("fault", ["reset", "logic", "enables", "read twice"])
-def test_a_register_stays_where_it_does_something_else(tmp_path: Path, fault: str) -> None:
-    module = mapped(Row(fault), tmp_path)
+@pytest.mark.parametrize(
+    ("kind", "kept_blocks"),
+    [
+        ("reset", 3),
+        ("logic", 1),
+        ("enables", 1),
+        ("inverted enable", 3),
+        ("other clock", 3),
+        ("read twice", 3),
+        ("read by logic, too", 3),
+        ("an enable itself", 1),
+    ],
+)
+def test_a_register_stays_where_it_does_something_else(tmp_path: Path, kind: str, kept_blocks: int) -> None:
+    module = mapped(Row(kind), tmp_path)
     registers = len(module.of_kind(FLIP_FLOP))
     moved = use_output_registers(module)
     assert len(module.of_kind(FLIP_FLOP)) == registers - moved
     # a block holds 9 bits: one may still have only such as can move
     assert moved < WIDTH
     kept = [block for block in blocks(module) if "REGMODE_B" not in block.json["parameters"]]
-    assert kept and all(block["OCEB"] == "1" for block in kept)
-    assert len(kept) == {"reset": 3, "logic": 1, "enables": 1, "read twice": 3}[fault]
+    assert len(kept) == kept_blocks and all(block["OCEB"] == "1" for block in kept)

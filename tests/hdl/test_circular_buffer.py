@@ -59,6 +59,23 @@ def many_sizes(rows: int, max_width: int) -> list[Size]:
     return sizes
 
 
+@pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(0.3, 0.4, 13)], ids=["unstalled", "stalled"])
+@pytest.mark.parametrize("registers", [1, 2])
+@both
+def test_more_registers(buffering: Buffering, registers: int, stalls: Stalls) -> None:
+    """Behind lean columns each is a clock more; banked ones are as they were."""
+    rows, plain = 5, CircularBuffer(BITS, 5, MAX_WIDTH, buffering)
+    block = CircularBuffer(BITS, rows, MAX_WIDTH, buffering, registers)
+    assert block.latency - plain.latency == (registers if buffering == "lean" else 0)
+    arguments = (BITS, rows, MAX_WIDTH, buffering)
+    sizes = [(rows + 2, 9), (rows, MAX_WIDTH), (rows + 1, 4)]
+    capture = check(engine("compiled", CircularBuffer, *arguments, registers), rows, sizes, stalls)
+    if stalls == NO_STALLS:
+        before = check(engine("compiled", CircularBuffer, *arguments), rows, sizes, stalls)
+        later = capture.output_clocks["o"] - before.output_clocks["o"]
+        assert (later == block.latency - plain.latency).all()
+
+
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 @every
 @both

@@ -136,8 +136,8 @@ def test_extremes(parameters: Parameters) -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """Constant, since it is the first; then the 1000 before; then the floor; then the constant, as asked."""
-    peak = np.array([[3, 1000, 7]])
+    """Constant, since it is the first; then the 1000 before, its last; then the floor; then the constant, as asked."""
+    peak = np.array([[3, 7, 1000]])
     low = np.array([[0, 2, 1]])
     quarter = Settings(sigma1=0.25, sigma2=0.5, constant=400, floor=10)
     frames = [
