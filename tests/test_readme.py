@@ -80,6 +80,10 @@ def test_synthesis_figures(buffering: str) -> None:
     speed = re.search(r"clock reaches\s+([\d.]+) and ([\d.]+) MHz", README)
     assert area and speed
     assert area.groups()[place] == f"{build['le_packed']:,}"
+    where = (DOCS / "area.md").read_text(encoding="utf-8")
+    for figure in (build["le_packed"], build["memory_bits"]):
+        assert f"{figure:,}" in where
+    assert f"{build['fmax_mhz']:.1f}" in where
     assert speed.groups()[place] == f"{build['fmax_mhz']:.1f}"
 
 

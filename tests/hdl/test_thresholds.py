@@ -136,7 +136,7 @@ def test_extremes(parameters: Parameters) -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """Constant, since it is the first; then the 1000 before, its last; then the floor; then the constant, as asked."""
+    """Constant, since it is the first; then the 1000 at the end of that; then the floor; then the constant."""
     peak = np.array([[3, 7, 1000]])
     low = np.array([[0, 2, 1]])
     quarter = Settings(sigma1=0.25, sigma2=0.5, constant=400, floor=10)
