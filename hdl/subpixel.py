@@ -68,25 +68,23 @@ class Subpixel(wiring.Component):
         # Phase interval-1: everything moves on. An idle unit stays there, ready for the next candidate. So does one
         # whose last offset has not been taken all the while; once it has, that costs a clock, and the way is short.
         last = self.interval - 1
-        phase, resting = Signal(range(self.interval), init=last), Signal(init=1)
-        move, goes_on = Signal(), Signal()
+        phase = Signal(range(self.interval), init=last)
+        move = Signal()
         shifted, multiplied, divided = Signal(), Signal(), Signal()
         m.d.comb += [
-            move.eq(resting & ~(divided & self.o.valid)),
-            goes_on.eq(self.i.valid | shifted | multiplied),
+            move.eq((phase == last) & ~(divided & self.o.valid)),
             self.i.ready.eq(move),
         ]
         with m.If(self.o.ready):
             m.d.sync += self.o.valid.eq(0)
-        with m.If(~resting):
-            m.d.sync += [phase.eq(phase + 1), resting.eq(phase == last - 1)]
+        with m.If(phase != last):
+            m.d.sync += phase.eq(phase + 1)
         with m.If(move):
             m.d.sync += [
                 shifted.eq(self.i.valid),
                 multiplied.eq(shifted),
                 divided.eq(multiplied),
-                phase.eq(Mux(goes_on, 0, last)),
-                resting.eq(~goes_on),
+                phase.eq(Mux(self.i.valid | shifted | multiplied, 0, last)),
             ]
         mantissas = self._shift(m, move, phase)
         sums = self._multiply(m, move, phase, mantissas)

@@ -44,15 +44,14 @@ def thresholds_layout(parameters: Parameters) -> data.StructLayout:
 class Thresholds(wiring.Component):
     """T1 = sigma1 · Dref and T2 = sigma2 · Dref, each rounded down, once per frame.
 
-    Watches the responses on their way from ``i`` to ``o`` for the largest. Before a frame's first response it
+    Watches the responses on their way from ``i`` to ``o`` for the largest. With a frame's first response it
     takes that frame's settings and multiplies, one bit of sigma per clock, long before the frame's first window.
 
     Members
     -------
     i, o
         Stream of ``Beat(unsigned(response_bits))``, passed through in the same clock. A first beat waits for
-        settings, until the previous frame's thresholds have been taken, and a clock if it comes right behind that
-        frame's last; a last one, until its maximum can be taken.
+        settings, and until the previous frame's thresholds have been taken; a last one, until its maximum can be.
     settings
         Stream of ``settings_layout(parameters)``, one per frame; taken when the multiplication starts.
     thresholds
@@ -78,28 +77,27 @@ class Thresholds(wiring.Component):
 
     @property
     def clocks(self) -> int:
-        """Clocks from a frame's first response to its thresholds, at most."""
-        return SIGMA2_BITS + 2
+        """Clocks from a frame's first response to its thresholds."""
+        return SIGMA2_BITS + 3
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         bits = self._parameters.response_bits
         response, eof = self.i.payload.data, self.i.payload.eof
 
-        # between a frame's last response and the next one's first, multiplication starts, and lets that one pass
-        first, started, busy = Signal(init=1), Signal(), Signal()
-        start, step, begun, pass_on = Signal(), Signal(), Signal(), Signal()
+        first = Signal(init=1)
+        may_start, start, step, pass_on = Signal(), Signal(), Signal(), Signal()
+        busy = Signal()
+        # a register, because it decides about readiness
+        m.d.sync += may_start.eq(self.settings.valid & ~busy & ~self.thresholds.valid & ~start)
         m.d.comb += [
-            start.eq(first & ~started & self.settings.valid & ~busy & ~self.thresholds.valid),
-            begun.eq(~first | started),
-            pass_on.eq(begun & ~(eof & self.maximum.valid)),
+            pass_on.eq((~first | may_start) & ~(eof & self.maximum.valid)),
             self.o.payload.eq(self.i.payload),
             self.o.valid.eq(self.i.valid & pass_on),
             self.i.ready.eq(self.o.ready & pass_on),
             step.eq(self.o.valid & self.o.ready),
+            start.eq(step & first),
         ]
-        with m.If(start):
-            m.d.sync += started.eq(1)
 
         # largest response so far: of the frame before, until the next one begins
         largest, now_largest, any_previous = Signal(bits), Signal(bits), Signal()
@@ -107,13 +105,11 @@ class Thresholds(wiring.Component):
         with m.If(self.maximum.ready):
             m.d.sync += self.maximum.valid.eq(0)
         with m.If(step):
-            m.d.sync += [first.eq(eof), started.eq(0)]
+            m.d.sync += [largest.eq(now_largest), first.eq(eof)]
             with m.If(eof):
                 m.d.sync += [any_previous.eq(1), self.maximum.valid.eq(1)]
-        # whether a response passes is known late in a clock; one that waits may well be counted in every clock, and
-        # the maximum be loaded in every clock up to that of the last
-        with m.If(self.i.valid & begun):
-            m.d.sync += largest.eq(now_largest)
+        # loaded in every clock up to that of the last response, as the reference is up to that of the first: when
+        # these come is known late in a clock
         with m.If(~self.maximum.valid):
             m.d.sync += self.maximum.payload.eq(now_largest)
 

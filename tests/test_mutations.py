@@ -133,8 +133,8 @@ MUTATIONS = {
     ),
     "the previous maximum lacks the frame's last response": Mutation(
         "hdl/thresholds.py",
-        "m.d.sync += largest.eq(now_largest)",
-        "m.d.sync += largest.eq(Mux(eof, largest, now_largest))",
+        "[largest.eq(now_largest), first.eq(eof)]",
+        "[largest.eq(Mux(eof, largest, now_largest)), first.eq(eof)]",
         "tests/hdl/test_thresholds.py",
         "by_hand and amaranth",
     ),
