@@ -22,42 +22,37 @@ def use_output_registers(module: Module) -> int:
 
 
 def _move(module: Module, ram: Cell, port: str) -> int:
-    outputs = [name for name in (f"DO{port}{k}" for k in range(WIDTH)) if module.readers.get(_net(ram[name]))]
-    registers = [_only_register(module, ram, port, name) for name in outputs]
+    outputs = [name for name in (f"DO{port}{k}" for k in range(WIDTH)) if _is_read(module, ram[name])]
+    registers = [_register_behind(module, ram, port, name) for name in outputs]
     found = [register for register in registers if register is not None]
     enables = {_enable(register) for register in found}
     if len(found) != len(outputs) or len(enables) != 1:
         return 0
-    for name, register in zip(outputs, found, strict=True):
-        result = register["Q"]
+    for register in found:
         module.remove(register)
-        with module.changing(ram):
-            ram[name] = result
     with module.changing(ram):
+        for name, register in zip(outputs, found, strict=True):
+            ram[name] = register["Q"]
         ram[f"OCE{port}"] = enables.pop()
     ram.json["parameters"][f"REGMODE_{port}"] = "OUTREG"
     return len(found)
 
 
-def _only_register(module: Module, ram: Cell, port: str, output: str) -> Cell | None:
+def _is_read(module: Module, bit: Bit) -> bool:
+    return isinstance(bit, int) and bool(module.readers[bit])
+
+
+def _register_behind(module: Module, ram: Cell, port: str, output: str) -> Cell | None:
     """The flip-flop that alone reads an output, if it can move."""
-    (reader, pin), *others = module.readers[_net(ram[output])]
-    if others or reader is None or reader.kind != FLIP_FLOP or pin != "DI":
+    reader = module.only_reader(ram[output])
+    if reader is None or reader[0].kind != FLIP_FLOP or reader[1] != "DI":
         return None
-    # no reset is a reset that never comes
-    fits = reader["CLK"] == ram[f"CLK{port}"] and reader["LSR"] in ("0", "x")
-    plain = _mode(reader, "CLKMUX", "CLK") == "CLK" and _mode(reader, "CEMUX", "1") in ("CE", "1")
-    return reader if fits and plain else None
+    register = reader[0]
+    # neither may be inverted; no reset is a reset that never comes
+    plain = register.parameter("CLKMUX") == "CLK" and register.parameter("CEMUX") in ("CE", "1")
+    fits = register["CLK"] == ram[f"CLK{port}"] and register["LSR"] in ("0", "x")
+    return register if plain and fits else None
 
 
 def _enable(register: Cell) -> Bit:
-    return register["CE"] if _mode(register, "CEMUX", "1") == "CE" else "1"
-
-
-def _mode(register: Cell, name: str, default: str) -> str:
-    """How a signal enters: as it is, inverted (``INV``), or as a constant."""
-    return str(register.json["parameters"].get(name, default)).rstrip()
-
-
-def _net(bit: Bit) -> int:
-    return bit if isinstance(bit, int) else -1
+    return register["CE"] if register.parameter("CEMUX") == "CE" else "1"
