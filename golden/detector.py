@@ -62,12 +62,24 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
 
 
 def frame_records(
-    responses: IntArray, limits: Thresholds, parameters: Parameters, report_rejected: bool
+    responses: IntArray,
+    limits: Thresholds,
+    parameters: Parameters,
+    report_rejected: bool,
+    *,
+    pixels: int | None = None,
 ) -> Records:
-    """Records of one frame's corners, in raster order, from its response map."""
+    """Records of one frame's corners, in raster order, from its response map.
+
+    With ``pixels``, only of those whose whole support lies in the frame's first so many pixels, in raster order.
+    """
     inner = MARGIN - RESPONSE_MARGIN
     reportable = responses[inner - 1 : 1 - inner, inner - 1 : 1 - inner]
     rows, columns = np.nonzero(corner_detection(reportable, limits.t1, parameters.ties))
+    if pixels is not None:
+        width = responses.shape[1] + 2 * RESPONSE_MARGIN
+        decided = (rows + 2 * MARGIN) * width + columns + 2 * MARGIN < pixels
+        rows, columns = rows[decided], columns[decided]
     windows = sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
     textured = ~texture_filter(windows, limits.t2, parameters.patches)
     if not report_rejected:

@@ -21,7 +21,8 @@ bits    end-of-frame record
 39:24   frame number since reset, modulo 65536
 60:40   largest D of the frame: the next frame's reference
 62:61   both set
-63      0
+63      CUT: the frame was cut short. It then lacks corners, and bits 60:40 are 0.
+        The detector by itself never cuts one; see ``golden.video``
 ======  =====================================================================
 """
 
@@ -57,6 +58,7 @@ class Flag(IntFlag):
 
 
 END_OF_FRAME = Flag.CLAMPED | Flag.NOT_MAXIMUM
+CUT_SHIFT = 63
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,7 @@ class FrameEnd(NamedTuple):
     records: int
     frame: int
     maximum: int
+    cut: bool = False
 
 
 def encode(
@@ -128,6 +131,7 @@ def encode_frame_end(end: FrameEnd) -> int:
         | (frame << COUNT_BITS)
         | (end.maximum << RESPONSE_SHIFT)
         | (int(END_OF_FRAME) << FLAG_SHIFT)
+        | (int(end.cut) << CUT_SHIFT)
     )
 
 
@@ -157,10 +161,11 @@ def decode(words: Records) -> Corners:
 def decode_frame_end(word: int) -> FrameEnd:
     """Fields of one end-of-frame record; ``ValueError`` if the word is a corner record."""
     word = int(word)
-    if (word >> FLAG_SHIFT) != END_OF_FRAME:
-        raise ValueError(f"record {word:#018x} is not an end-of-frame record (bits 63:61 must be 0b011)")
+    if (word >> FLAG_SHIFT) & END_OF_FRAME != END_OF_FRAME:
+        raise ValueError(f"record {word:#018x} is not an end-of-frame record (bits 62:61 must be 0b11)")
     return FrameEnd(
         records=word & ((1 << COUNT_BITS) - 1),
         frame=(word >> COUNT_BITS) & ((1 << FRAME_BITS) - 1),
         maximum=(word >> RESPONSE_SHIFT) & ((1 << RESPONSE_FIELD_BITS) - 1),
+        cut=bool(word >> CUT_SHIFT),
     )

@@ -93,11 +93,9 @@ def describe_record(word: int | None) -> str:
     if word is None:
         return "nothing"
     if Flag(word >> FLAG_SHIFT) & END_OF_FRAME == END_OF_FRAME:
-        try:
-            end = decode_frame_end(word)
-        except ValueError:
-            return f"a malformed record {word:#018x}"
-        return f"end of frame {end.frame} ({end.records} records, largest D {end.maximum})"
+        end = decode_frame_end(word)
+        cut = ", cut short" if end.cut else ""
+        return f"end of frame {end.frame} ({end.records} records, largest D {end.maximum}{cut})"
     corners = decode(np.array([word], np.uint64))
     flags = Flag(int(corners.flags[0]))
     names = f" {flags.name}" if flags else ""

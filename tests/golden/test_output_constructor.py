@@ -112,18 +112,19 @@ def test_round_trip(fields: list[dict]) -> None:
 def test_end_of_frame_by_hand() -> None:
     word = encode_frame_end(FrameEnd(records=0x00ABCD, frame=0x1234, maximum=0x1FC02))
     assert word == 0b011 << 61 | 0x1FC02 << 40 | 0x1234 << 24 | 0x00ABCD
-    assert decode_frame_end(word) == (0x00ABCD, 0x1234, 0x1FC02)
-    assert decode_frame_end(np.uint64(word)) == (0x00ABCD, 0x1234, 0x1FC02)
+    assert encode_frame_end(FrameEnd(0xAB, 1, 0, cut=True)) == 0b111 << 61 | 1 << 24 | 0xAB
+    assert decode_frame_end(word) == (0x00ABCD, 0x1234, 0x1FC02, False)
+    assert decode_frame_end(np.uint64(word)) == (0x00ABCD, 0x1234, 0x1FC02, False)
 
 
-@given(st.integers(0, 2**24 - 1), st.integers(0, 2**40), st.integers(0, 2093058))
-def test_end_of_frame_round_trip(records: int, frame: int, maximum: int) -> None:
-    word = encode_frame_end(FrameEnd(records, frame, maximum))
-    assert decode_frame_end(word) == FrameEnd(records, frame % 65536, maximum)
+@given(st.integers(0, 2**24 - 1), st.integers(0, 2**40), st.integers(0, 2093058), st.booleans())
+def test_end_of_frame_round_trip(records: int, frame: int, maximum: int, cut: bool) -> None:
+    word = encode_frame_end(FrameEnd(records, frame, maximum, cut))
+    assert decode_frame_end(word) == FrameEnd(records, frame % 65536, maximum, cut)
     assert len(decode(np.array([word], dtype=np.uint64))) == 0
 
 
-@pytest.mark.parametrize("flags", [0b000, 0b001, 0b010, 0b100, 0b101, 0b110, 0b111])
+@pytest.mark.parametrize("flags", [0b000, 0b001, 0b010, 0b100, 0b101, 0b110])
 def test_corner_record_is_no_end_of_frame(flags: int) -> None:
     with pytest.raises(ValueError, match=r"record 0x[0-9a-f]{16} is not an end-of-frame record"):
         decode_frame_end(flags << 61 | 5)

@@ -1,0 +1,282 @@
+"""Video as it arrives in the field: what becomes of it at the edge of the core, well-formed or not.
+
+A pixel travels with two marks, start of frame and end of line (AMD UG934). The detector behind the edge only ever
+sees whole frames of the size that was set, from the first pixel to the last; this is the specification of how any
+stream of marked pixels becomes such frames, of what is reported about the rest, and of the packets that come out.
+
+================================  =========================================================================
+what comes in                     what becomes of it
+================================  =========================================================================
+start of frame before the end     the frame is cut: closed without its remaining corners, and marked so. The
+                                  new one begins at once
+pixels after a frame's last       dropped, up to the next start of frame
+end of line too early             the frame is cut, and what follows dropped up to the next start of frame: no
+                                  corner could have fifteen whole rows for the next fifteen rows
+end of line too late              what is too much is dropped, up to the end of line; the frame goes on
+================================  =========================================================================
+
+A cut frame leaves nothing behind: the next frame's reference is the largest response of the last *complete* frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from enum import IntFlag
+from typing import Any
+
+import numpy as np
+
+from golden.detector import frame_records, response_map
+from golden.output_constructor import COUNT_BITS, FrameEnd, Records, encode_frame_end
+from golden.parameters import SUPPORT, Parameters, Settings, check_integer
+from golden.preprocessing import Image
+from golden.thresholds import choose_reference, thresholds
+
+NO_LIMIT = (1 << COUNT_BITS) - 1
+"""``max_records`` that no frame reaches."""
+
+
+class Event(IntFlag):
+    """What can happen to a stream of video; the bits of the status register."""
+
+    FRAME_DONE = 1 << 0
+    """A complete frame's end has been delivered."""
+    FRAME_CUT = 1 << 1
+    """The end of a cut frame has been delivered."""
+    SOF_EARLY = 1 << 2
+    """A frame began before the one before was complete, which is cut."""
+    SOF_LATE = 1 << 3
+    """Pixels came after a frame's last and before the next start of frame; they were dropped."""
+    SOF_MISSING = 1 << 4
+    """A whole frame's pixels came without a start of frame; they were dropped."""
+    EOL_EARLY = 1 << 5
+    """A line was too short; its frame is cut."""
+    EOL_LATE = 1 << 6
+    """A line was too long; the surplus was dropped."""
+    EOL_MISSING = 1 << 7
+    """A whole further line's pixels came without an end of line; they were dropped."""
+    RECORDS_DROPPED = 1 << 8
+    """A frame had more corners than may be reported."""
+    SIZE_CHANGED = 1 << 9
+    """The frame size was set while a frame was under way, for which the old one holds."""
+    SIZE_REFUSED = 1 << 10
+    """A frame size out of range was written; the old one stays."""
+    INPUT_IDLE = 1 << 11
+    """No pixel has come for too long in the middle of a frame."""
+    OUTPUT_STALLED = 1 << 12
+    """An output has waited too long to be taken."""
+
+
+@dataclass(frozen=True)
+class VideoSettings:
+    """What can be set at run time, at the edge of the core; each frame keeps what holds at its start.
+
+    Parameters
+    ----------
+    width, height
+        Frame size, 15x15 up to the built maximum.
+    settings
+        Thresholds.
+    enabled
+        Frames that start otherwise are dropped.
+    ignore_eol
+        Lines are told apart by counting; end-of-line marks mean nothing.
+    max_records
+        Corners reported per frame, at most; what is too many is dropped. Holds at once.
+    """
+
+    width: int
+    height: int
+    settings: Settings
+    enabled: bool = True
+    ignore_eol: bool = False
+    max_records: int = NO_LIMIT
+
+    def check(self, parameters: Parameters) -> None:
+        """Raise ``ValueError`` if a detector built so cannot be set so."""
+        check_integer("width", self.width, SUPPORT, parameters.max_width)
+        check_integer("height", self.height, SUPPORT, parameters.max_height)
+        check_integer("max_records", self.max_records, 0, NO_LIMIT)
+        self.settings.check(parameters)
+
+
+@dataclass(frozen=True)
+class Packet:
+    """What a frame that began gives: records, of which the last closes it.
+
+    Parameters
+    ----------
+    records
+        Of a complete frame: all of them, the end-of-frame record included. Of a cut one: those of the corners whose
+        support had come when it was cut; some number of the first of them come out, then its end-of-frame record.
+    frame, cut
+        As in the end-of-frame record.
+    found
+        Corners of a complete frame, those that were too many included.
+    pixels
+        Of the frame, as far as it came; a complete one has width x height.
+    """
+
+    records: Records
+    frame: int
+    cut: bool
+    found: int
+    pixels: Image = field(repr=False)
+
+    def matches(self, words: Records) -> bool:
+        """Are these, up to a last word, what the hardware may deliver of this frame?"""
+        if not self.cut:
+            return np.array_equal(words, self.records)
+        count = len(words) - 1
+        end = encode_frame_end(FrameEnd(count, self.frame, 0, cut=True))
+        return (
+            0 <= count <= len(self.records)
+            and int(words[-1]) == end
+            and np.array_equal(words[:-1], self.records[:count])
+        )
+
+
+class VideoModel:
+    """The detector with its edges, fed pixel by pixel.
+
+    ``events`` collects what has happened, but for what depends on time or on registers being written
+    (``SIZE_CHANGED`` and all after it).
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self.parameters = parameters
+        self.reset()
+
+    def reset(self) -> None:
+        """As after power-on."""
+        self.events = Event(0)
+        self.dropped_records = 0
+        self._maximum: int | None = None
+        self._frame = 0
+        self._now: VideoSettings | None = None
+        self._pixels: list[int] = []
+        self._x = 0
+        # dropping up to an end of line; a complete frame went before; pixels dropped since then
+        self._surplus = self._after = False
+        self._dropped = 0
+
+    @property
+    def active(self) -> bool:
+        """Is a frame under way?"""
+        return self._now is not None
+
+    def feed(self, beats: Iterable[tuple[int, bool, bool]], video: VideoSettings) -> list[Packet]:
+        """Packets of the frames that end with these beats: ``(pixel, start of frame, end of line)``."""
+        video.check(self.parameters)
+        return [packet for beat in beats for packet in self._feed(*beat, video)]
+
+    def _feed(self, pixel: int, sof: bool, eol: bool, video: VideoSettings) -> list[Packet]:
+        packets = []
+        if self._now is not None and sof:
+            self.events |= Event.SOF_EARLY
+            packets.append(self._cut())
+        if self._now is not None:
+            return packets + self._inside(pixel, eol, self._now)
+        if not sof or not video.enabled:
+            self._between(eol, video)
+            return packets
+        self._now = video
+        self._pixels, self._x = [pixel], 1
+        self._surplus = self._after = False
+        return packets
+
+    def _inside(self, pixel: int, eol: bool, now: VideoSettings) -> list[Packet]:
+        if self._surplus:
+            self._beyond_line(eol, now)
+            return []
+        last = self._x == now.width - 1
+        if eol and not last and not now.ignore_eol:
+            self.events |= Event.EOL_EARLY
+            return [self._cut()]
+        self._pixels.append(pixel)
+        self._x = 0 if last else self._x + 1
+        if last and not eol and not now.ignore_eol:
+            self.events |= Event.EOL_LATE
+            self._surplus = True
+        if len(self._pixels) < now.width * now.height:
+            return []
+        self._after, self._dropped = True, 0
+        return [self._complete(now)]
+
+    def _between(self, eol: bool, video: VideoSettings) -> None:
+        if not video.enabled:
+            self._dropped = 0
+            self._surplus = self._after = False
+            return
+        if self._surplus:
+            self._beyond_line(eol, video)
+            return
+        if self._after:
+            self.events |= Event.SOF_LATE
+        self._dropped += 1
+        if self._dropped == video.width * video.height:
+            self.events |= Event.SOF_MISSING
+            self._dropped = 0
+
+    def _beyond_line(self, eol: bool, now: VideoSettings) -> None:
+        """A pixel after the last of its line."""
+        self._x += 1
+        if eol:
+            self._surplus, self._x = False, 0
+        elif self._x == now.width:
+            self.events |= Event.EOL_MISSING
+            self._x = 0
+
+    def _complete(self, now: VideoSettings) -> Packet:
+        image = self._image(now)
+        responses = response_map(image, self.parameters)
+        records = self._records(image, now)
+        maximum = int(responses.max())
+        kept = records[: now.max_records]
+        self.dropped_records += len(records) - len(kept)
+        if len(kept) < len(records):
+            self.events |= Event.RECORDS_DROPPED
+        self.events |= Event.FRAME_DONE
+        end = encode_frame_end(FrameEnd(len(kept), self._frame, maximum))
+        packet = Packet(np.append(kept, np.uint64(end)), self._frame, False, len(records), image)
+        self._maximum = maximum
+        self._end()
+        return packet
+
+    def _cut(self) -> Packet:
+        assert self._now is not None
+        records = self._records(self._image(self._now), self._now, pixels=len(self._pixels))
+        self.events |= Event.FRAME_CUT
+        pixels = np.array(self._pixels, self._dtype)
+        packet = Packet(records[: self._now.max_records], self._frame, True, 0, pixels)
+        self._after, self._dropped, self._surplus = False, 0, False
+        self._end()
+        return packet
+
+    def _end(self) -> None:
+        self._now = None
+        self._frame += 1
+
+    @property
+    def _dtype(self) -> type[np.unsignedinteger[Any]]:
+        return np.uint8 if self.parameters.pixel_bits <= 8 else np.uint16
+
+    def _image(self, now: VideoSettings) -> Image:
+        """The frame, black where it has not come."""
+        image = np.zeros(now.width * now.height, self._dtype)
+        image[: len(self._pixels)] = self._pixels
+        return image.reshape(now.height, now.width)
+
+    def _records(self, image: Image, now: VideoSettings, pixels: int | None = None) -> Records:
+        limits = thresholds(now.settings, choose_reference(now.settings, self._maximum), self.parameters)
+        responses = response_map(image, self.parameters)
+        return frame_records(responses, limits, self.parameters, now.settings.report_rejected, pixels=pixels)
+
+
+def marked(image: Image, *, sof: bool = True, eol: bool = True) -> list[tuple[int, bool, bool]]:
+    """A well-formed frame as beats ``(pixel, start of frame, end of line)``; or one that lacks its marks."""
+    width = image.shape[1]
+    return [
+        (int(pixel), sof and k == 0, eol and k % width == width - 1) for k, pixel in enumerate(image.ravel())
+    ]
