@@ -94,6 +94,11 @@ class Parameters:
     queue_depth
         Corners that can wait for the subpixel refinement, 8 to 1024, before the input has to. Hardware only:
         changes delays, never a record.
+    video_out
+        Pass the pixels on, with a mark where a corner is. Hardware only; takes 7 rows of block RAM (``"lean"``) or 9.
+    autostart
+        Start enabled, with the settings of ``Settings.default`` and the largest frame, where nobody writes the
+        registers. Hardware only.
 
     Raises
     ------
@@ -111,6 +116,8 @@ class Parameters:
     buffering: Buffering = "banked"
     sqrt_bits_per_stage: int = 1
     queue_depth: int = 16
+    video_out: bool = False
+    autostart: bool = False
 
     def __post_init__(self) -> None:
         for field, low, high in (
@@ -121,6 +128,9 @@ class Parameters:
             ("queue_depth", 8, 1024),
         ):
             _plain_integer(self, field, low, high)
+        for field in ("video_out", "autostart"):
+            if not isinstance(getattr(self, field), bool):
+                raise ValueError(f"{field} is {getattr(self, field)!r}; allowed: True or False")
         _check_choice("gradient", self.gradient, Gradient)
         _check_choice("ties", self.ties, Ties)
         _check_choice("fit", self.fit, Fit)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Signal
+from amaranth.hdl import C, Module, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -30,6 +30,13 @@ def note_layout(parameters: Parameters) -> data.StructLayout:
     )
 
 
+def mark_layout() -> data.StructLayout:
+    """Of a window: is its centre an accepted corner; and is it the last of its row, of its frame."""
+    return data.StructLayout({"corner": 1, "eol": 1, "eof": 1})
+
+
+MARKS = 16
+"""Marks that can wait: more than come before whoever takes them can hold them up."""
 INSIDE = 4
 """Candidates inside the subpixel refinement and at its end: their notes wait too."""
 
@@ -54,6 +61,8 @@ class CandidateSelection(wiring.Component):
         Stream of ``derivatives_layout(parameters)``.
     note
         Stream of ``note_layout(parameters)``.
+    mark
+        With ``video_out`` only: stream of ``mark_layout()``, one for every window.
     """
 
     latency = Queue.latency
@@ -69,6 +78,7 @@ class CandidateSelection(wiring.Component):
                 "surfaces": In(stream.Signature(surface)),
                 "candidate": Out(stream.Signature(surface)),
                 "note": Out(stream.Signature(note_layout(parameters))),
+                **({"mark": Out(stream.Signature(mark_layout()))} if parameters.video_out else {}),
             }
         )
 
@@ -81,7 +91,8 @@ class CandidateSelection(wiring.Component):
 
         room, step, ending = Signal(init=1), Signal(), Signal()
         # a clock late, and an end follows yet: for this, too, there is room
-        m.d.sync += room.eq(candidates.room & notes.room)
+        marks_room = self._marks(m, step) if p.video_out else C(1)
+        m.d.sync += room.eq(candidates.room & notes.room & marks_room)
         m.d.comb += [
             *(source.ready.eq(room) for source in (self.corners, self.textures, self.surfaces)),
             step.eq(self.corners.valid & room),
@@ -110,3 +121,17 @@ class CandidateSelection(wiring.Component):
             notes.i.payload.end.eq(ending),
         ]
         return m
+
+    def _marks(self, m: Module, step: Signal) -> Value:
+        """A mark of every window into a queue of its own; returns whether that has room."""
+        m.submodules.marks = marks = Queue(mark_layout(), MARKS)
+        wiring.connect(m, marks.o, wiring.flipped(self.mark))
+        m.d.comb += [
+            marks.i.valid.eq(step),
+            marks.i.payload.corner.eq(
+                self.corners.payload.data.corner & ~self.textures.payload.data.textured
+            ),
+            marks.i.payload.eol.eq(self.corners.payload.eol),
+            marks.i.payload.eof.eq(self.corners.payload.eof),
+        ]
+        return marks.room

@@ -11,7 +11,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import WINDOW_SIZE, Parameters
-from hdl.candidate_selection import CandidateSelection
+from hdl.candidate_selection import CandidateSelection, mark_layout
 from hdl.centre_rows import CentreRows
 from hdl.circular_buffer import CircularBuffer
 from hdl.convolution import Convolution
@@ -60,6 +60,8 @@ class Detector(wiring.Component):
         As in ``golden.Settings``; use_constant is its ``reference="constant"``.
     o
         Stream of ``record_layout()``: the frame's corners in raster order, then its end-of-frame record.
+    mark
+        With ``video_out`` only: stream of ``mark_layout()``, one for each pixel that can be a corner.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -92,6 +94,7 @@ class Detector(wiring.Component):
                 "height": In(range(p.max_height + 1)),
                 **settings,
                 "o": Out(stream.Signature(record_layout())),
+                **({"mark": Out(stream.Signature(mark_layout()))} if p.video_out else {}),
             }
         )
 
@@ -202,5 +205,7 @@ class Detector(wiring.Component):
         wiring.connect(m, self._candidates.candidate, self._subpixel.i)
         wiring.connect(m, self._candidates.note, constructor.note)
         wiring.connect(m, self._subpixel.o, constructor.offset)
+        if self._parameters.video_out:
+            wiring.connect(m, self._candidates.mark, wiring.flipped(self.mark))
         wiring.connect(m, self._thresholds.maximum, constructor.maximum)
         wiring.connect(m, constructor.o, wiring.flipped(self.o))

@@ -1,0 +1,207 @@
+"""Frame guard: makes whole frames of whatever video comes in (``golden.video``), and says where it was malformed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module, Mux, Signal, unsigned
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.parameters import SUPPORT, Parameters
+from golden.video import Event
+
+
+def video_layout(parameters: Parameters) -> data.StructLayout:
+    """A pixel with its marks: first of a frame, last of a line."""
+    return data.StructLayout({"pixel": unsigned(parameters.pixel_bits), "sof": 1, "eol": 1})
+
+
+def events_layout(*events: Event) -> data.StructLayout:
+    """One bit per event, high for the clock in which it happens."""
+    return data.StructLayout({str(event.name).lower(): 1 for event in events})
+
+
+GUARD_EVENTS = (
+    Event.SOF_EARLY,
+    Event.SOF_LATE,
+    Event.SOF_MISSING,
+    Event.EOL_EARLY,
+    Event.EOL_LATE,
+    Event.EOL_MISSING,
+)
+
+
+class FrameGuard(wiring.Component):
+    """Lets pass exactly width · height pixels from each start of frame on, or says that a frame is cut.
+
+    A frame that does not go on as it must raises ``cut``; nothing is taken until ``resume`` answers. All that is no
+    part of a frame is taken and dropped, so that a source is never held up by it.
+
+    Members
+    -------
+    i
+        Stream of ``video_layout(parameters)``.
+    o
+        Stream of ``video_layout(parameters)``: pixels of whole frames, marked as they should be.
+    width, height
+        Size of the next frame, 15x15 up to the built maximum; kept from its first pixel on.
+    frame_width, frame_height
+        Size of the frame under way, or of the last one: stays until the next one's first pixel is taken.
+    enable
+        Let frames start.
+    ignore_eol
+        Tell lines apart by counting only.
+    restart
+        Forget everything, as at reset.
+    cut, resume
+        The frame under way ends here; it has been dealt with. ``resume`` is one clock long.
+    active
+        A frame is under way.
+    taken
+        A pixel of a frame is taken.
+    done
+        It is the last of its frame.
+    events
+        ``events_layout(*GUARD_EVENTS)``.
+    """
+
+    latency = 1
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = p = parameters
+        width, height = range(p.max_width + 1), range(p.max_height + 1)
+        super().__init__(
+            {
+                "i": In(stream.Signature(video_layout(p))),
+                "o": Out(stream.Signature(video_layout(p))),
+                "width": In(width),
+                "height": In(height),
+                "frame_width": Out(width, init=SUPPORT),
+                "frame_height": Out(height, init=SUPPORT),
+                "enable": In(1),
+                "ignore_eol": In(1),
+                "restart": In(1),
+                "cut": Out(1),
+                "resume": In(1),
+                "active": Out(1),
+                "taken": Out(1),
+                "done": Out(1),
+                "events": Out(events_layout(*GUARD_EVENTS)),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        sof, eol = self.i.payload.sof, self.i.payload.eol
+        # a line's last pixel has been seen, but not its end; a complete frame went before
+        surplus, after = Signal(), Signal()
+        row_end, last_row = Signal(), Signal()
+        ignore_eol = Signal()
+
+        start, early, short, belongs, beat, free = (
+            Signal(name=name) for name in ("start", "early", "short", "belongs", "beat", "free")
+        )
+        inside = self.active & ~surplus & ~sof
+        m.d.comb += [
+            start.eq(~self.active & sof & self.enable),
+            early.eq(self.active & sof),
+            short.eq(inside & eol & ~row_end & ~ignore_eol),
+            belongs.eq(start | (inside & ~short)),
+            free.eq(~self.o.valid | self.o.ready),
+            self.i.ready.eq(~self.cut & ~early & (free | ~belongs)),
+            beat.eq(self.i.valid & self.i.ready),
+            self.taken.eq(beat & belongs),
+            self.done.eq(self.taken & self.active & row_end & last_row),
+        ]
+
+        with m.If(self.taken):
+            m.d.sync += [
+                self.o.valid.eq(1),
+                self.o.payload.pixel.eq(self.i.payload.pixel),
+                self.o.payload.sof.eq(sof),
+                self.o.payload.eol.eq(row_end & self.active),
+            ]
+        with m.Elif(self.o.ready):
+            m.d.sync += self.o.valid.eq(0)
+
+        late = inside & row_end & ~eol & ~ignore_eol
+        with m.If(beat):
+            with m.If(start):
+                m.d.sync += [self.active.eq(1), surplus.eq(0), after.eq(0)]
+            with m.Elif(surplus):
+                m.d.sync += surplus.eq(~eol)
+            with m.Elif(late):
+                m.d.sync += surplus.eq(1)
+        with m.If(self.done):
+            m.d.sync += [self.active.eq(0), after.eq(1)]
+        with m.If(~self.active & ~self.enable):
+            m.d.sync += [surplus.eq(0), after.eq(0)]
+        with m.If(self.i.valid & ~self.cut & early | beat & short):
+            m.d.sync += [self.cut.eq(1), self.active.eq(0), surplus.eq(0), after.eq(0)]
+        with m.If(self.resume):
+            m.d.sync += self.cut.eq(0)
+
+        row = self._count(m, beat, start, surplus, row_end, last_row, ignore_eol)
+        between = beat & ~self.active & ~start & ~surplus & self.enable
+        events = self.events
+        m.d.comb += [
+            events.sof_early.eq(self.i.valid & ~self.cut & early),
+            events.sof_late.eq(between & after),
+            events.sof_missing.eq(between & row & last_row),
+            events.eol_early.eq(beat & short),
+            events.eol_late.eq(beat & late),
+            events.eol_missing.eq(beat & ~start & surplus & row_end & ~eol),
+        ]
+        with m.If(self.restart):
+            m.d.sync += [
+                signal.eq(0)
+                for signal in (self.active, self.cut, self.o.valid, surplus, after, row_end, last_row)
+            ]
+        return m
+
+    def _count(
+        self,
+        m: Module,
+        beat: Signal,
+        start: Signal,
+        surplus: Signal,
+        row_end: Signal,
+        last_row: Signal,
+        ignore_eol: Signal,
+    ) -> Signal:
+        """Place of the next pixel: in its frame, in what is too much of a line, or in what lies between frames.
+
+        All are counted alike, so that a line or a frame too much can be told. Returns whether the pixel is a row's last.
+        """
+        p = self._parameters
+        x, y = Signal(range(p.max_width)), Signal(range(p.max_height))
+        # ends are known a pixel ahead, and a row: as registers
+        last_but_one_x, last_but_one_y = (Signal.like(place, init=SUPPORT - 2) for place in (x, y))
+        with m.If(~self.active):
+            m.d.sync += [
+                last_but_one_x.eq(self.width - 2),
+                last_but_one_y.eq(self.height - 2),
+                ignore_eol.eq(self.ignore_eol),
+            ]
+        with m.If(start & beat):
+            m.d.sync += [self.frame_width.eq(self.width), self.frame_height.eq(self.height)]
+
+        line_over = surplus & self.i.payload.eol
+        row = Signal()
+        m.d.comb += row.eq(row_end & ~surplus)
+        with m.If(beat):
+            m.d.sync += [
+                x.eq(Mux(row_end | line_over, 0, x + 1)),
+                row_end.eq((x == last_but_one_x) & ~line_over),
+            ]
+            with m.If(row):
+                m.d.sync += [
+                    y.eq(Mux(last_row, 0, y + 1)),
+                    last_row.eq(y == last_but_one_y),
+                ]
+        with m.If(start & beat):
+            m.d.sync += [x.eq(1), y.eq(0), row_end.eq(0), last_row.eq(0)]
+        with m.Elif((~self.active & ~self.enable) | self.cut | self.restart):
+            m.d.sync += [x.eq(0), y.eq(0), row_end.eq(0), last_row.eq(0)]
+        return row

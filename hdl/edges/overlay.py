@@ -1,0 +1,123 @@
+"""Overlay: the pixels once more, so late that each can say whether it is a corner."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module, Mux, ResetInserter, Signal, unsigned
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.parameters import MARGIN, Parameters
+from hdl.candidate_selection import mark_layout
+from hdl.edges.frame_guard import video_layout
+from hdl.queue import Queue
+
+_ROWS = {"lean": 7, "banked": 9}
+"""Rows that come after a pixel before its mark does: ``"banked"`` buffers read two rows late."""
+_CLOCKS = 128
+"""And the clocks of the way through the detector, with some to spare."""
+
+
+def overlay_layout(parameters: Parameters) -> data.StructLayout:
+    """A pixel, whether it is an accepted corner (as a whole pixel), and its place in frame and line."""
+    return data.StructLayout({"pixel": unsigned(parameters.pixel_bits), "corner": 1, "sof": 1, "eol": 1})
+
+
+class Overlay(wiring.Component):
+    """Holds pixels back in block RAM until the detector's marks are there.
+
+    Marks exist where a corner can be; the outermost pixels go by without. A pixel is kept with one tag, which on a
+    row's first pixel means that it is the frame's first, and elsewhere that it is the row's last.
+
+    It is deep enough that pixels are held up only where marks or the output are, and never all at once: what it
+    holds when it is full is more than the detector needs to mark the first of them.
+
+    Members
+    -------
+    i
+        Stream of ``video_layout(parameters)``: pixels of whole frames.
+    mark
+        Stream of ``mark_layout()``.
+    restart
+        Forget all but a beat at the output.
+    o
+        Stream of ``overlay_layout(parameters)``, all of it registers.
+    done
+        A frame's last pixel moves to the output.
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = p = parameters
+        super().__init__(
+            {
+                "i": In(stream.Signature(video_layout(p))),
+                "mark": In(stream.Signature(mark_layout())),
+                "restart": In(1),
+                "o": Out(stream.Signature(overlay_layout(p))),
+                "done": Out(1),
+            }
+        )
+
+    @property
+    def depth(self) -> int:
+        """Pixels that it holds."""
+        return _ROWS[self._parameters.buffering] * self._parameters.max_width + _CLOCKS
+
+    @property
+    def memory_bits(self) -> int:
+        return self.depth * (self._parameters.pixel_bits + 1)
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        kept = data.StructLayout({"pixel": unsigned(self._parameters.pixel_bits), "tag": 1})
+        queue = Queue(kept, self.depth)
+        m.submodules.pixels = ResetInserter(self.restart)(queue)
+        room = Signal()
+        m.d.sync += room.eq(queue.room & ~self.restart)
+        m.d.comb += [
+            self.i.ready.eq(room),
+            queue.i.valid.eq(self.i.valid & room),
+            queue.i.payload.pixel.eq(self.i.payload.pixel),
+            queue.i.payload.tag.eq(self.i.payload.sof | self.i.payload.eol),
+        ]
+
+        # columns before the first that can be marked, rows likewise; then whether the last marked has gone by
+        column, row = Signal(range(MARGIN + 1)), Signal(range(MARGIN + 1))
+        right, below = Signal(), Signal()
+        marked, free, step, eol = Signal(), Signal(), Signal(), Signal()
+        tag = queue.o.payload.tag
+        m.d.comb += [
+            marked.eq((column == MARGIN) & (row == MARGIN) & ~right & ~below),
+            free.eq((~self.o.valid | self.o.ready) & (~marked | self.mark.valid)),
+            step.eq(queue.o.valid & free),
+            queue.o.ready.eq(free),
+            self.mark.ready.eq(step & marked),
+            eol.eq(tag & (column != 0)),
+            self.done.eq(step & eol & below & (row == MARGIN)),
+        ]
+        with m.If(step):
+            m.d.sync += column.eq(Mux(eol, 0, Mux(column == MARGIN, MARGIN, column + 1)))
+            with m.If(marked):
+                m.d.sync += right.eq(self.mark.payload.eol)
+                with m.If(self.mark.payload.eof):
+                    m.d.sync += [below.eq(1), row.eq(0)]
+            with m.If(eol):
+                m.d.sync += right.eq(0)
+                with m.If(row != MARGIN):
+                    m.d.sync += row.eq(row + 1)
+            with m.If(self.done):
+                m.d.sync += [below.eq(0), row.eq(0)]
+        with m.If(self.restart):
+            m.d.sync += [signal.eq(0) for signal in (column, row, right, below)]
+
+        with m.If(~self.o.valid | self.o.ready):
+            m.d.sync += self.o.valid.eq(step & ~self.restart)
+        with m.If(step):
+            m.d.sync += [
+                self.o.payload.pixel.eq(queue.o.payload.pixel),
+                self.o.payload.corner.eq(marked & self.mark.payload.corner),
+                self.o.payload.sof.eq(tag & (column == 0)),
+                self.o.payload.eol.eq(eol),
+            ]
+        return m

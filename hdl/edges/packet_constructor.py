@@ -1,0 +1,133 @@
+"""Packet constructor: one packet of records per frame, whatever happens to the frame."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import C, Cat, Module, Mux, Signal
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.output_constructor import (
+    COUNT_BITS,
+    CUT_SHIFT,
+    END_OF_FRAME,
+    FLAG_SHIFT,
+    FRAME_BITS,
+    RESPONSE_FIELD_BITS,
+    RESPONSE_SHIFT,
+)
+from golden.video import NO_LIMIT, Event
+from hdl.edges.frame_guard import events_layout
+from hdl.output_constructor import record_layout
+
+PACKET_EVENTS = (Event.FRAME_DONE, Event.FRAME_CUT, Event.RECORDS_DROPPED)
+
+
+def results_layout() -> data.StructLayout:
+    """What a frame gave; kept until the next one's end."""
+    return data.StructLayout(
+        {"frames": FRAME_BITS, "corners": COUNT_BITS, "dropped": COUNT_BITS, "maximum": RESPONSE_FIELD_BITS}
+    )
+
+
+class PacketConstructor(wiring.Component):
+    """Passes a frame's records on, drops those that are too many, and closes each frame with one last beat.
+
+    The detector counts records and frames too, but forgets both when it is restarted; here nothing is forgotten, so
+    every packet says how many records it has, and frame numbers go on.
+
+    Members
+    -------
+    i
+        Stream of ``record_layout()`` from the detector.
+    close, closed
+        Close the packet of a frame that was cut: ask, with no record offered, until it is answered.
+    clear
+        Start counting anew, as at reset. A beat at the output stays.
+    max_records
+        Records that a packet may have before its last.
+    o
+        Stream of ``record_layout()``, all of it registers.
+    done
+        A complete frame's end is taken from the detector.
+    results
+        ``results_layout()``: number of the next frame; corners of the last complete one, those of them that were
+        dropped, its largest response.
+    any_results
+        There has been a complete frame.
+    events
+        ``events_layout(*PACKET_EVENTS)``.
+    """
+
+    latency = 1
+
+    def __init__(self) -> None:
+        super().__init__(
+            {
+                "i": In(stream.Signature(record_layout())),
+                "close": In(1),
+                "closed": Out(1),
+                "clear": In(1),
+                "max_records": In(COUNT_BITS, init=NO_LIMIT),
+                "o": Out(stream.Signature(record_layout())),
+                "done": Out(1),
+                "results": Out(results_layout()),
+                "any_results": Out(1),
+                "events": Out(events_layout(*PACKET_EVENTS)),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        results, events = self.results, self.events
+        count, dropped = Signal(COUNT_BITS), Signal(COUNT_BITS)
+        free, step, full, send = Signal(), Signal(), Signal(), Signal()
+        last = self.i.payload.last
+        maximum = self.i.payload.record[RESPONSE_SHIFT : RESPONSE_SHIFT + RESPONSE_FIELD_BITS]
+        m.d.comb += [
+            free.eq(~self.o.valid | self.o.ready),
+            self.i.ready.eq(free),
+            step.eq(self.i.valid & free),
+            send.eq(step & (last | ~full)),
+            self.done.eq(step & last),
+            self.closed.eq(self.close & free),
+            events.frame_done.eq(self.done),
+            events.frame_cut.eq(self.closed),
+            events.records_dropped.eq(step & ~last & full),
+        ]
+        # a clock ahead; the number of records grows by one at most
+        with m.If(self.done | self.closed | self.clear):
+            m.d.sync += [count.eq(0), dropped.eq(0)]
+        with m.Elif(step):
+            with m.If(full):
+                m.d.sync += dropped.eq(dropped + 1)
+            with m.Else():
+                m.d.sync += count.eq(count + 1)
+        m.d.comb += full.eq(count >= self.max_records)
+
+        closing = Cat(
+            count,
+            results.frames,
+            Mux(self.close, 0, maximum),
+            C(END_OF_FRAME, CUT_SHIFT - FLAG_SHIFT),
+            self.close,
+        )
+        with m.If(free):
+            m.d.sync += [
+                self.o.valid.eq(send | self.close),
+                self.o.payload.record.eq(Mux(self.close | last, closing, self.i.payload.record)),
+                self.o.payload.last.eq(last | self.close),
+            ]
+        with m.If(self.done):
+            m.d.sync += [
+                results.corners.eq(count + dropped),
+                results.dropped.eq(dropped),
+                results.maximum.eq(maximum),
+                self.any_results.eq(1),
+            ]
+        with m.If(self.done | self.closed):
+            m.d.sync += results.frames.eq(results.frames + 1)
+        with m.If(self.clear):
+            m.d.sync += [results.eq(0), self.any_results.eq(0)]
+        return m
