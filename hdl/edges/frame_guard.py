@@ -53,7 +53,7 @@ class FrameGuard(wiring.Component):
     ignore_eol
         Tell lines apart by counting only.
     restart
-        Forget everything, as at reset.
+        Forget everything, and take nothing more until ``resume``.
     cut, resume
         The frame under way ends here; it has been dealt with. ``resume`` is one clock long.
     active
@@ -109,7 +109,7 @@ class FrameGuard(wiring.Component):
             short.eq(inside & eol & ~row_end & ~ignore_eol),
             belongs.eq(start | (inside & ~short)),
             free.eq(~self.o.valid | self.o.ready),
-            self.i.ready.eq(~self.cut & ~early & (free | ~belongs)),
+            self.i.ready.eq(~self.cut & ~self.restart & ~early & (free | ~belongs)),
             beat.eq(self.i.valid & self.i.ready),
             self.taken.eq(beat & belongs),
             self.done.eq(self.taken & self.active & row_end & last_row),
@@ -137,7 +137,7 @@ class FrameGuard(wiring.Component):
             m.d.sync += [self.active.eq(0), after.eq(1)]
         with m.If(~self.active & ~self.enable):
             m.d.sync += [surplus.eq(0), after.eq(0)]
-        with m.If(self.i.valid & ~self.cut & early | beat & short):
+        with m.If((self.i.valid & early) | (beat & short)):
             m.d.sync += [self.cut.eq(1), self.active.eq(0), surplus.eq(0), after.eq(0)]
         with m.If(self.resume):
             m.d.sync += self.cut.eq(0)
@@ -146,7 +146,7 @@ class FrameGuard(wiring.Component):
         between = beat & ~self.active & ~start & ~surplus & self.enable
         events = self.events
         m.d.comb += [
-            events.sof_early.eq(self.i.valid & ~self.cut & early),
+            events.sof_early.eq(self.i.valid & early),
             events.sof_late.eq(between & after),
             events.sof_missing.eq(between & row & last_row),
             events.eol_early.eq(beat & short),
@@ -154,10 +154,8 @@ class FrameGuard(wiring.Component):
             events.eol_missing.eq(beat & ~start & surplus & row_end & ~eol),
         ]
         with m.If(self.restart):
-            m.d.sync += [
-                signal.eq(0)
-                for signal in (self.active, self.cut, self.o.valid, surplus, after, row_end, last_row)
-            ]
+            m.d.sync += self.cut.eq(1)
+            m.d.sync += [s.eq(0) for s in (self.active, self.o.valid, surplus, after)]
         return m
 
     def _count(
@@ -172,7 +170,7 @@ class FrameGuard(wiring.Component):
     ) -> Signal:
         """Place of the next pixel: in its frame, in what is too much of a line, or in what lies between frames.
 
-        All are counted alike, so that a line or a frame too much can be told. Returns whether the pixel is a row's last.
+        All are counted alike, so that a line or a frame too much can be told. Returns: is it the last of a row?
         """
         p = self._parameters
         x, y = Signal(range(p.max_width)), Signal(range(p.max_height))

@@ -11,7 +11,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.output_constructor import COUNT_BITS
-from golden.parameters import SUPPORT, Parameters, Settings
+from golden.parameters import Parameters, Settings
 from golden.video import NO_LIMIT
 from hdl.detector import Detector
 from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard, events_layout, video_layout
@@ -225,7 +225,6 @@ class VideoDetector(wiring.Component):
             ]
         with m.If(guard.resume):
             m.d.sync += closing.eq(0)
-        return
 
     def _in_flight(self, m: Module, name: str, out: Any, restart: Signal) -> Signal:
         """Complete frames whose last pixel has gone in, but whose end has not come out."""

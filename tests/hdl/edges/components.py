@@ -1,0 +1,86 @@
+"""The video detector with inputs that the simulation's engines can drive, and its packets sorted out again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from amaranth.hdl import Module
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden import Parameters
+from golden.output_constructor import COUNT_BITS, Records
+from golden.video import NO_LIMIT, VideoSettings
+from hdl.edges.frame_guard import video_layout
+from hdl.edges.overlay import overlay_layout
+from hdl.edges.video_detector import VideoDetector
+from hdl.output_constructor import record_layout
+from hdl.thresholds import settings_layout
+from sim import Capture
+from tests.malformed import Beats
+
+
+class PlainVideoDetector(wiring.Component):
+    """``VideoDetector`` whose control is one plain input per field, without reset."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = p = parameters
+        self.dut = VideoDetector(p)
+        super().__init__(
+            {
+                "video": In(stream.Signature(video_layout(p))),
+                "records": Out(stream.Signature(record_layout())),
+                **({"overlay": Out(stream.Signature(overlay_layout(p)))} if p.video_out else {}),
+                "enable": In(1, init=1),
+                "ignore_eol": In(1),
+                "width": In(range(p.max_width + 1)),
+                "height": In(range(p.max_height + 1)),
+                "max_records": In(COUNT_BITS, init=NO_LIMIT),
+                **{str(name): In(field.shape) for name, field in settings_layout(p)},
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.dut = dut = self.dut
+        wiring.connect(m, wiring.flipped(self.video), dut.video)
+        wiring.connect(m, dut.records, wiring.flipped(self.records))
+        if self._parameters.video_out:
+            wiring.connect(m, dut.overlay, wiring.flipped(self.overlay))
+        for name in ("enable", "ignore_eol", "width", "height", "max_records"):
+            m.d.comb += dut.control[name].eq(getattr(self, name))
+        for name, _ in settings_layout(self._parameters):
+            m.d.comb += dut.control.settings[name].eq(getattr(self, str(name)))
+        return m
+
+
+def levels(video: VideoSettings) -> dict[str, int]:
+    """Values of the plain inputs."""
+    settings = video.settings
+    return {
+        "enable": int(video.enabled),
+        "ignore_eol": int(video.ignore_eol),
+        "width": video.width,
+        "height": video.height,
+        "max_records": video.max_records,
+        "sigma1": settings.sigma1_fixed,
+        "sigma2": settings.sigma2_fixed,
+        "use_constant": int(settings.reference == "constant"),
+        "constant": settings.constant,
+        "floor": settings.floor,
+        "report_rejected": int(settings.report_rejected),
+    }
+
+
+def payloads(beats: Beats, parameters: Parameters) -> np.ndarray:
+    """Payloads of the video stream."""
+    bits = parameters.pixel_bits
+    return np.array([p | s << bits | e << (bits + 1) for p, s, e in beats], np.uint64)
+
+
+def packets(capture: Capture) -> list[Records]:
+    """What came out, packet by packet; what is left open at the end is one more."""
+    words, last = capture.outputs["records"].T
+    ends = np.flatnonzero(last) + 1
+    return [part for part in np.split(words, ends) if len(part)]

@@ -1,0 +1,131 @@
+"""Random video, well-formed and not, one frame at a time: for test benches of the core's edges."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from golden.preprocessing import Image
+from golden.video import marked
+
+Beats = list[tuple[int, bool, bool]]
+"""(pixel, start of frame, end of line)"""
+
+Random = np.random.Generator
+
+
+def whole(beats: Beats, width: int, random: Random) -> Beats:
+    return beats
+
+
+def early_sof(beats: Beats, width: int, random: Random) -> Beats:
+    """Ends anywhere; whatever comes next begins with its start of frame."""
+    return beats[: int(random.integers(8, len(beats)))]
+
+
+def late_sof(beats: Beats, width: int, random: Random) -> Beats:
+    """Goes on for some pixels or lines, with ends of line or not."""
+    surplus = int(random.choice([1, 2, width - 1, width, 3 * width, len(beats) - 1]))
+    ends = bool(random.integers(2))
+    return beats + [(7, False, ends and k % width == width - 1) for k in range(surplus)]
+
+
+def missing_sof(beats: Beats, width: int, random: Random) -> Beats:
+    return [(pixel, False, eol) for pixel, _, eol in beats]
+
+
+def short_line(beats: Beats, width: int, random: Random) -> Beats:
+    row = int(random.integers(len(beats) // width))
+    gone = int(random.integers(1, width - 1))
+    end = row * width + width
+    before = beats[: end - gone]
+    pixel, sof, _ = before[-1]
+    return [*before[:-1], (pixel, sof, True), *beats[end:]]
+
+
+def long_line(beats: Beats, width: int, random: Random) -> Beats:
+    end = (int(random.integers(len(beats) // width)) + 1) * width
+    surplus = int(random.choice([1, 2, width - 1, width, 2 * width + 1]))
+    pixel, sof, _ = beats[end - 1]
+    extra = [(9, False, k == surplus - 1) for k in range(surplus)]
+    return [*beats[: end - 1], (pixel, sof, False), *extra, *beats[end:]]
+
+
+def lost_eol(beats: Beats, width: int, random: Random) -> Beats:
+    """One line runs into the next."""
+    end = (int(random.integers(len(beats) // width)) + 1) * width
+    pixel, sof, _ = beats[end - 1]
+    return [*beats[: end - 1], (pixel, sof, False), *beats[end:]]
+
+
+def no_eol(beats: Beats, width: int, random: Random) -> Beats:
+    return [(pixel, sof, False) for pixel, sof, _ in beats]
+
+
+def sof_always(beats: Beats, width: int, random: Random) -> Beats:
+    """Start of frame held for a few pixels."""
+    held = int(random.integers(2, 6))
+    return [(pixel, sof or k < held, eol) for k, (pixel, sof, eol) in enumerate(beats)]
+
+
+def noise_marks(beats: Beats, width: int, random: Random) -> Beats:
+    """Marks anywhere."""
+    sofs, eols = random.random(len(beats)) < 0.003, random.random(len(beats)) < 0.02
+    return [(pixel, bool(s), bool(e)) for (pixel, _, _), s, e in zip(beats, sofs, eols, strict=True)]
+
+
+Fault = Callable[[Beats, int, Random], Beats]
+FAULTS: dict[str, Fault] = {
+    fault.__name__: fault
+    for fault in (
+        early_sof,
+        late_sof,
+        missing_sof,
+        short_line,
+        long_line,
+        lost_eol,
+        no_eol,
+        sof_always,
+        noise_marks,
+    )
+}
+
+
+@dataclass
+class Video:
+    """Frames to send, and a count of what was tried."""
+
+    frames: list[tuple[Image, Beats]] = field(default_factory=list)
+    tried: Counter[str] = field(default_factory=Counter)
+
+    def add(self, image: Image, fault: Fault, random: Random) -> None:
+        beats = fault(marked(image), image.shape[1], random)
+        self.frames.append((image, beats))
+        self.tried["well-formed" if fault is whole else fault.__name__.replace("_", " ")] += 1
+
+
+def texture(random: Random, width: int, height: int) -> Image:
+    """An image with corners: blocks, some noise, or the darkest there is."""
+    kind = random.integers(4)
+    if kind == 0:
+        return np.full((height, width), random.integers(256), np.uint8)
+    if kind == 1:
+        return random.integers(0, 256, (height, width), dtype=np.uint8)
+    side = int(random.integers(3, 9))
+    blocks = random.integers(0, 256, (height // side + 1, width // side + 1), dtype=np.uint8)
+    return np.kron(blocks, np.ones((side, side), np.uint8))[:height, :width]
+
+
+def random_video(random: Random, frames: int, width: int, height: int, *, malformed: float = 0.5) -> Video:
+    """Frames of one size, every one after a malformed one well-formed."""
+    video = Video()
+    names = list(FAULTS)
+    while len(video.frames) < frames:
+        fault = whole
+        if video.frames and random.random() < malformed:
+            fault = FAULTS[names[int(random.integers(len(names)))]]
+        video.add(texture(random, width, height), fault, random)
+    return video
