@@ -13,7 +13,7 @@ from cornerstream.simulation import simulate
 from cornerstream.synth import synth
 from cornerstream.tables import tables
 from cornerstream.verilog import verilog
-from flow.version import VERSION
+from golden.version import VERSION
 
 
 @click.group(

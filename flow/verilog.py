@@ -12,7 +12,7 @@ from itertools import count
 from amaranth.back import rtlil
 from amaranth.lib import wiring
 
-from flow.version import VERSION
+from golden.version import VERSION
 from golden import Parameters
 from hdl.detector import Detector
 

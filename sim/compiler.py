@@ -1,4 +1,4 @@
-"""Finds a C++ compiler and builds shared libraries with it, each distinct one once."""
+"""Finds a C++ compiler and builds libraries and programs with it, each distinct one once."""
 
 from __future__ import annotations
 
@@ -129,10 +129,11 @@ def build(
     includes: list[Path],
     extra: str = "",
     link: bool = True,
+    program: list[str] | None = None,
     notify: Callable[[str], None],
     directory: Path | None = None,
 ) -> Path:
-    """A shared library or an object file, from the cache or newly built.
+    """A shared library, an object file or a program, from the cache or newly built.
 
     Parameters
     ----------
@@ -146,6 +147,8 @@ def build(
         Whatever else decides the result, for the cache key.
     link
         True for a shared library, False for an object file of a single source.
+    program
+        If given, a program is made instead, linked with these flags; they come last, as libraries must.
     notify
         Told, in one line, that a compilation begins.
     directory
@@ -158,7 +161,9 @@ def build(
     """
     compiler = find_compiler()
     library = ".dll" if sys.platform == "win32" else ".so"
-    suffix = library if link else ".o"
+    suffix, kind = (library, ["-shared"]) if link else (".o", ["-c"])
+    if program is not None:
+        suffix, kind, extra = ".exe", [], extra + shlex.join(program)
     target = cache_directory(directory) / f"{_key(compiler, files, extra)}{suffix}"
     if target.exists():
         return target
@@ -169,9 +174,10 @@ def build(
         for file, text in files.items():
             (folder / file).write_text(text, encoding="utf-8")
         sources = generate(folder)
-        flags = [*_FLAGS, "-shared" if link else "-c", *(f"-I{path}" for path in [folder, *includes])]
+        flags = [*_FLAGS, *kind, *(f"-I{path}" for path in [folder, *includes])]
         output = folder / f"result{suffix}"
-        run_tool([*compiler.command, *flags, *sources, "-o", str(output)], "the C++ compiler", folder)
+        command = [*compiler.command, *flags, *sources, "-o", str(output), *(program or [])]
+        run_tool(command, "the C++ compiler", folder)
         if not output.exists():
             raise CompilationError(f"{compiler.label} has made nothing; allowed: a C++ compiler")
         os.replace(output, target)

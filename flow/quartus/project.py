@@ -13,7 +13,7 @@ import jinja2
 
 from flow.quartus.memories import Memory, find_memories, with_attributes
 from flow.verilog import MODULE, emit_verilog
-from flow.version import VERSION
+from golden.version import VERSION
 from golden import Parameters
 
 FAMILY = "Cyclone IV GX"

@@ -14,7 +14,7 @@ from PIL import Image
 import cornerstream.simulation
 from cornerstream.cli import main
 from cornerstream.picture import ACCEPTED, REJECTED
-from flow.version import VERSION
+from golden.version import VERSION
 from golden import Corners, Parameters, Settings, StreamModel, detect
 from sim import Mismatch
 from tests.photographs import photograph

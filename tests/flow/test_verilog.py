@@ -17,7 +17,7 @@ from amaranth.lib.wiring import In, Out
 
 from flow.quartus import find_memories, split_modules
 from flow.verilog import convert, detector_verilog, emit_verilog
-from flow.version import VERSION
+from golden.version import VERSION
 from golden import Parameters, Settings, StreamModel, profile
 from hdl.detector import Detector
 from sim import Stalls, Stimulus, compare, make_engine, simulate_frames, summarize

@@ -1,0 +1,170 @@
+"""The core with AXI edges: AXI4-Stream video in (AMD UG934), AXI4-Stream records out, AXI4-Lite registers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Cat, Module, Mux
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.output_constructor import RECORD_BITS
+from golden.parameters import Parameters
+from hdl.edges.core import Core
+from hdl.edges.register_bank import register_bus
+from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS
+
+OKAY, SLVERR = 0b00, 0b10
+LITE = {
+    "awaddr": In(ADDRESS_BITS),
+    "awprot": In(3),
+    "awvalid": In(1),
+    "awready": Out(1, init=1),
+    "wdata": In(DATA_BITS),
+    "wstrb": In(DATA_BITS // 8),
+    "wvalid": In(1),
+    "wready": Out(1, init=1),
+    "bresp": Out(2),
+    "bvalid": Out(1),
+    "bready": In(1),
+    "araddr": In(ADDRESS_BITS),
+    "arprot": In(3),
+    "arvalid": In(1),
+    "arready": Out(1, init=1),
+    "rdata": Out(DATA_BITS),
+    "rresp": Out(2),
+    "rvalid": Out(1),
+    "rready": In(1),
+}
+
+
+def byte_lanes(bits: int) -> int:
+    """Width of TDATA that holds so many bits: whole bytes, as AXI wants it."""
+    return -(-bits // 8) * 8
+
+
+class AxiLite(wiring.Component):
+    """AXI4-Lite subordinate before a register bank. All outputs are registers.
+
+    One write and one read at a time, independent of each other; address and data of a write may come in any order.
+    The answer is SLVERR where the bank says so, and OKAY else. Protection bits are ignored.
+
+    Members
+    -------
+    The signals of AXI4-Lite by their names (``LITE``), and ``bus``, a ``register_bus()``.
+    """
+
+    def __init__(self) -> None:
+        super().__init__({**LITE, "bus": Out(register_bus())})
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        self._write(m)
+        self._read(m)
+        return m
+
+    def _write(self, m: Module) -> None:
+        bus = self.bus
+        # each channel's ready is low while what it brought is kept
+        complete = ~self.awready & ~self.wready & ~self.bvalid
+        with m.If(self.awvalid & self.awready):
+            m.d.sync += [bus.write_address.eq(self.awaddr[2:]), self.awready.eq(0)]
+        with m.If(self.wvalid & self.wready):
+            m.d.sync += [bus.write_data.eq(self.wdata), bus.write_mask.eq(self.wstrb), self.wready.eq(0)]
+        m.d.comb += bus.write.eq(complete)
+        with m.If(complete):
+            m.d.sync += [self.bvalid.eq(1), self.bresp.eq(Mux(bus.write_error, SLVERR, OKAY))]
+        with m.If(self.bvalid & self.bready):
+            m.d.sync += [self.bvalid.eq(0), self.awready.eq(1), self.wready.eq(1)]
+
+    def _read(self, m: Module) -> None:
+        bus = self.bus
+        with m.If(self.arvalid & self.arready):
+            m.d.sync += [bus.read_address.eq(self.araddr[2:]), self.arready.eq(0)]
+        m.d.comb += bus.read.eq(~self.arready & ~self.rvalid)
+        with m.If(bus.read):
+            m.d.sync += [
+                self.rvalid.eq(1),
+                self.rdata.eq(bus.read_data),
+                self.rresp.eq(Mux(bus.read_error, SLVERR, OKAY)),
+            ]
+        with m.If(self.rvalid & self.rready):
+            m.d.sync += [self.rvalid.eq(0), self.arready.eq(1)]
+
+
+class AxiCore(wiring.Component):
+    """The core with AXI edges; ports as cocotbext-axi and Vivado expect their names.
+
+    Members
+    -------
+    s_axis_*
+        Video: a pixel in the low bits of TDATA, TUSER[0] with a frame's first, TLAST with a line's last.
+    m_axis_*
+        Records, TLAST with a frame's last, its end-of-frame record.
+    m_axis_video_*
+        With ``video_out`` only: the pixels, TUSER[0] with a frame's first, TUSER[1] where a corner is, TLAST with a
+        line's last.
+    s_axil_*
+        Registers, see ``hdl.edges.register_map``.
+    irq
+        Interrupt, active high.
+    """
+
+    def __init__(self, parameters: Parameters, *, detector: Any = None) -> None:
+        self._parameters = p = parameters
+        self.core = Core(p, detector=detector)
+        pixels = byte_lanes(p.pixel_bits)
+        video_out = {
+            "m_axis_video_tdata": Out(pixels),
+            "m_axis_video_tvalid": Out(1),
+            "m_axis_video_tready": In(1),
+            "m_axis_video_tuser": Out(2),
+            "m_axis_video_tlast": Out(1),
+        }
+        super().__init__(
+            {
+                "s_axis_tdata": In(pixels),
+                "s_axis_tvalid": In(1),
+                "s_axis_tready": Out(1),
+                "s_axis_tuser": In(1),
+                "s_axis_tlast": In(1),
+                "m_axis_tdata": Out(RECORD_BITS),
+                "m_axis_tvalid": Out(1),
+                "m_axis_tready": In(1),
+                "m_axis_tlast": Out(1),
+                **(video_out if p.video_out else {}),
+                **{f"s_axil_{name}": member for name, member in LITE.items()},
+                "irq": Out(1),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.core = core = self.core
+        m.submodules.axi_lite = lite = AxiLite()
+        wiring.connect(m, lite.bus, core.bus)
+        for name, member in LITE.items():
+            port, inner = getattr(self, f"s_axil_{name}"), getattr(lite, name)
+            m.d.comb += inner.eq(port) if member.flow == In else port.eq(inner)
+        m.d.comb += [
+            core.video.valid.eq(self.s_axis_tvalid),
+            core.video.payload.pixel.eq(self.s_axis_tdata),
+            core.video.payload.sof.eq(self.s_axis_tuser[0]),
+            core.video.payload.eol.eq(self.s_axis_tlast),
+            self.s_axis_tready.eq(core.video.ready),
+            self.m_axis_tvalid.eq(core.records.valid),
+            self.m_axis_tdata.eq(core.records.payload.record),
+            self.m_axis_tlast.eq(core.records.payload.last),
+            core.records.ready.eq(self.m_axis_tready),
+            self.irq.eq(core.irq),
+        ]
+        if self._parameters.video_out:
+            overlay = core.overlay
+            m.d.comb += [
+                self.m_axis_video_tvalid.eq(overlay.valid),
+                self.m_axis_video_tdata.eq(overlay.payload.pixel),
+                self.m_axis_video_tuser.eq(Cat(overlay.payload.sof, overlay.payload.corner)),
+                self.m_axis_video_tlast.eq(overlay.payload.eol),
+                overlay.ready.eq(self.m_axis_video_tready),
+            ]
+        return m

@@ -1,0 +1,175 @@
+"""Register bank: the hardware of the register map, behind a bus so plain that any other can be put before it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.parameters import SUPPORT, Parameters
+from golden.video import Event
+from hdl.edges.frame_guard import events_layout
+from hdl.edges.packet_constructor import results_layout
+from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS, TIMEOUT_BITS, Register, register_map
+from hdl.edges.video_detector import CLOCK_BITS, control_layout, initial_control
+
+OWN_EVENTS = (Event.SIZE_CHANGED, Event.SIZE_REFUSED)
+OTHER_EVENTS = tuple(event for event in Event if event not in OWN_EVENTS)
+
+
+def register_bus() -> wiring.Signature:
+    """As the bank's user sees it: writes and reads of one clock each, in any clock, both at once if need be.
+
+    ``write`` and ``read`` say that there is one; addresses are those of words. Each byte of ``write_data`` counts if
+    its bit in ``write_mask`` is set. Read data and errors (there is no such register, or it is read only) are
+    there in the same clock, whether or not ``read`` or ``write`` is high.
+    """
+    address = ADDRESS_BITS - 2
+    return wiring.Signature(
+        {
+            "write": Out(1),
+            "write_address": Out(address),
+            "write_data": Out(DATA_BITS),
+            "write_mask": Out(DATA_BITS // 8),
+            "write_error": In(1),
+            "read": Out(1),
+            "read_address": Out(address),
+            "read_data": In(DATA_BITS),
+            "read_error": In(1),
+        }
+    )
+
+
+class RegisterBank(wiring.Component):
+    """Registers that software writes, results that it reads, events that stay until it clears them.
+
+    An event in the clock in which its bit is cleared is kept. The interrupt comes out of a register.
+
+    Members
+    -------
+    bus
+        ``register_bus()``, from the other side.
+    control
+        ``control_layout(parameters)``.
+    timeout
+        Clocks.
+    active, results, clocks, reset_done
+        As of ``VideoDetector``.
+    events
+        ``events_layout(*OTHER_EVENTS)``.
+    irq
+        A bit of STATUS is set that is enabled.
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        self.registers = {register.name: register for register in register_map(parameters)}
+        status = len(Event)
+        self._status_bits, self._enabled = Signal(status, name="status"), Signal(status, name="irq_enable")
+        self._changed, self._refused = Signal(name="size_changed"), Signal(name="size_refused")
+        super().__init__(
+            {
+                "bus": In(register_bus()),
+                "control": Out(control_layout(parameters), init=initial_control(parameters)),
+                "timeout": Out(TIMEOUT_BITS, init=self.registers["TIMEOUT"].reset),
+                "active": In(1),
+                "results": In(results_layout()),
+                "clocks": In(CLOCK_BITS),
+                "reset_done": In(1),
+                "events": In(events_layout(*OTHER_EVENTS)),
+                "irq": Out(1),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        bus = self.bus
+        written = {name: Signal(name=f"write_{name.lower()}") for name in self.registers}
+        m.d.comb += [bus.write_error.eq(1), bus.read_error.eq(1)]
+        with m.Switch(bus.write_address):
+            for name, register in self.registers.items():
+                if register.access != "ro":
+                    with m.Case(register.address >> 2):
+                        m.d.comb += [written[name].eq(bus.write), bus.write_error.eq(0)]
+        with m.Switch(bus.read_address):
+            for register in self.registers.values():
+                with m.Case(register.address >> 2):
+                    m.d.comb += [bus.read_data.eq(self._contents(register)), bus.read_error.eq(0)]
+
+        data = self._merged(m)
+        self._settings(m, written, data)
+        self._size(m, written["SIZE"], data)
+        self._status(m, written, data)
+        return m
+
+    def _field(self, name: str) -> Value | None:
+        """Where a field is kept; None if it never changes."""
+        for place in (self.control, self.control.settings, self.results):
+            if name in dict(place.shape()):
+                return Value.cast(place[name])
+        return {"timeout": self.timeout, "clocks": self.clocks}.get(name)
+
+    def _contents(self, register: Register) -> Value:
+        if register.name == "STATUS":
+            return self._status_bits
+        if register.name == "IRQ_ENABLE":
+            return self._enabled
+        contents: Value = C(0, 0)
+        for field in register.fields:
+            kept = self._field(field.name)
+            bits = C(field.reset, field.bits) if kept is None else kept
+            contents = Cat(contents, C(0, field.low - len(contents)), bits)
+        return contents
+
+    def _merged(self, m: Module) -> Signal:
+        """What a register that is written holds then: bytes that are not written stay."""
+        bus = self.bus
+        before, data = Signal(DATA_BITS), Signal(DATA_BITS)
+        with m.Switch(bus.write_address):
+            for register in self.registers.values():
+                if register.access == "rw":
+                    with m.Case(register.address >> 2):
+                        m.d.comb += before.eq(self._contents(register))
+        for k in range(DATA_BITS // 8):
+            part = slice(8 * k, 8 * k + 8)
+            m.d.comb += data[part].eq(Mux(bus.write_mask[k], bus.write_data[part], before[part]))
+        return data
+
+    def _settings(self, m: Module, written: dict[str, Signal], data: Signal) -> None:
+        with m.If(self.reset_done):
+            m.d.sync += self.control.reset.eq(0)
+        for name, register in self.registers.items():
+            if register.access != "rw" or name in ("SIZE", "IRQ_ENABLE"):
+                continue
+            with m.If(written[name]):
+                for field in register.fields:
+                    kept, bits = self._field(field.name), data[field.low : field.high + 1]
+                    assert kept is not None
+                    # a reset that was asked for cannot be taken back
+                    m.d.sync += kept.eq(bits | kept if field.name == "reset" else bits)
+
+    def _size(self, m: Module, written: Signal, data: Signal) -> None:
+        p = self._parameters
+        fields = {field.name: field for field in self.registers["SIZE"].fields}
+        sizes = {name: data[field.low : field.high + 1] for name, field in fields.items()}
+        limits = {"width": p.max_width, "height": p.max_height}
+        good = Signal()
+        m.d.comb += good.eq(
+            Cat((sizes[name] >= SUPPORT) & (sizes[name] <= limits[name]) for name in limits).all()
+        )
+        with m.If(written & good):
+            m.d.sync += [self.control[name].eq(sizes[name]) for name in limits]
+        m.d.comb += [self._changed.eq(written & good & self.active), self._refused.eq(written & ~good)]
+
+    def _status(self, m: Module, written: dict[str, Signal], data: Signal) -> None:
+        own = {"size_changed": self._changed, "size_refused": self._refused}
+        for event in Event:
+            name, bit = str(event.name).lower(), event.bit_length() - 1
+            happens = own[name] if name in own else self.events[name]
+            cleared = written["STATUS"] & self.bus.write_data[bit] & self.bus.write_mask[bit // 8]
+            m.d.sync += self._status_bits[bit].eq(happens | (self._status_bits[bit] & ~cleared))
+        with m.If(written["IRQ_ENABLE"]):
+            m.d.sync += self._enabled.eq(data)
+        m.d.sync += self.irq.eq((self._status_bits & self._enabled).any())

@@ -1,0 +1,286 @@
+"""The register map, in one place: the hardware, the documentation and the drivers are all made from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from golden.output_constructor import COUNT_BITS, FRAME_BITS, RESPONSE_FIELD_BITS
+from golden.parameters import PROFILES, SIGMA2_INTEGER_BITS, SIGMA_BITS, SUPPORT, Parameters, Settings
+from golden.version import VERSION
+from golden.video import NO_LIMIT, Event
+
+Access = Literal["ro", "rw", "w1c"]
+"""Read only; read and write; read, and write one to clear."""
+
+DATA_BITS = 32
+ADDRESS_BITS = 8
+"""Of a byte address; registers are 4 bytes wide."""
+IDENTITY = int.from_bytes(b"CORN", "big")
+TIMEOUT_BITS = 24
+MEANINGS = {
+    Event.FRAME_DONE: "The end of a complete frame has been delivered.",
+    Event.FRAME_CUT: "The end of a frame that was cut has been delivered.",
+    Event.SOF_EARLY: "A start of frame came before the frame was complete: that frame was cut.",
+    Event.SOF_LATE: "Pixels came after a frame's last, without a start of frame: they were dropped.",
+    Event.SOF_MISSING: "A whole frame's pixels came without a start of frame: they were dropped.",
+    Event.EOL_EARLY: "A line was too short: its frame was cut.",
+    Event.EOL_LATE: "A line was too long: the surplus was dropped.",
+    Event.EOL_MISSING: "A whole further line's pixels came without an end of line: they were dropped.",
+    Event.RECORDS_DROPPED: "A frame had more corners than MAX_RECORDS: the surplus was dropped.",
+    Event.SIZE_CHANGED: "SIZE was written while a frame was under way: the new size holds from the next one on.",
+    Event.SIZE_REFUSED: "A size out of range was written: SIZE stays as it was.",
+    Event.INPUT_IDLE: "In the middle of a frame no pixel came for TIMEOUT clocks.",
+    Event.OUTPUT_STALLED: "An output beat was not taken for TIMEOUT clocks.",
+}
+
+
+@dataclass(frozen=True)
+class Field:
+    """Some bits of a register: ``bits`` of them from bit ``low`` up, which are ``reset`` after reset."""
+
+    name: str
+    low: int
+    bits: int
+    text: str
+    reset: int = 0
+
+    @property
+    def high(self) -> int:
+        return self.low + self.bits - 1
+
+    @property
+    def mask(self) -> int:
+        return ((1 << self.bits) - 1) << self.low
+
+
+@dataclass(frozen=True)
+class Register:
+    """32 bits at a byte address; bits that belong to no field read 0."""
+
+    name: str
+    address: int
+    access: Access
+    text: str
+    fields: tuple[Field, ...]
+
+    @property
+    def reset(self) -> int:
+        return sum(field.reset << field.low for field in self.fields)
+
+    @property
+    def mask(self) -> int:
+        return sum(field.mask for field in self.fields)
+
+
+def register_map(parameters: Parameters) -> tuple[Register, ...]:
+    """All registers of a core, by address. Field names are unique."""
+    return (*_about(parameters), *_control(parameters), *_results())
+
+
+def _about(p: Parameters) -> tuple[Register, ...]:
+    major, minor, patch = (int(part) for part in VERSION.split("."))
+    flags = {
+        "signed_gradients": p.gradient == "signed",
+        "ties_first": p.ties == "first",
+        "fit_six": p.fit == "six",
+        "patches_pixels": p.patches == "pixels",
+        "lean": p.buffering == "lean",
+        "video_out": p.video_out,
+    }
+    texts = (
+        "Gradients keep their signs.",
+        "Of two equal neighbours the first is a corner.",
+        "Subpixel fit through six samples, not nine.",
+        "Texture filter compares pixels, not regions.",
+        "Lean buffers, not banked ones.",
+        "The pixels are passed on.",
+    )
+    return (
+        Register("ID", 0x00, "ro", "What this is.", (Field("id", 0, 32, '"CORN"', IDENTITY),)),
+        Register(
+            "VERSION",
+            0x04,
+            "ro",
+            "Version of the core.",
+            (
+                Field("patch", 0, 8, "Patch level.", patch),
+                Field("minor", 8, 8, "Minor version.", minor),
+                Field("major", 16, 8, "Major version.", major),
+            ),
+        ),
+        Register(
+            "CAPABILITY",
+            0x08,
+            "ro",
+            "What was built.",
+            (
+                Field("pixels_per_clock", 0, 4, "Pixels per clock.", 1),
+                Field("pixel_bits", 4, 4, "Width of a pixel.", p.pixel_bits),
+                *(
+                    Field(name, 8 + k, 1, text, int(value))
+                    for k, ((name, value), text) in enumerate(zip(flags.items(), texts, strict=True))
+                ),
+                Field("profile", 16, 4, "1 paper, 2 robust, 0 another mixture of the above.", _profile(p)),
+            ),
+        ),
+        Register(
+            "MAX_SIZE",
+            0x0C,
+            "ro",
+            "Largest frame.",
+            (
+                Field("max_width", 0, 16, "Pixels.", p.max_width),
+                Field("max_height", 16, 16, "Pixels.", p.max_height),
+            ),
+        ),
+    )
+
+
+def _profile(p: Parameters) -> int:
+    def records(of: Parameters) -> tuple[str, ...]:
+        return of.gradient, of.ties, of.fit, of.patches
+
+    numbers = {records(known): number for number, known in enumerate(PROFILES.values(), 1)}
+    return numbers.get(records(p), 0)
+
+
+def _control(p: Parameters) -> tuple[Register, ...]:
+    settings = Settings.default(p)
+    events = [(str(event.name).lower(), event.bit_length() - 1, MEANINGS[event]) for event in Event]
+    return (
+        Register(
+            "CONTROL",
+            0x10,
+            "rw",
+            "Switches. Frames that are under way keep what held at their start.",
+            (
+                Field("enable", 0, 1, "Let frames start; else video is taken and dropped.", int(p.autostart)),
+                Field(
+                    "reset",
+                    1,
+                    1,
+                    "Write 1: cut the frame under way, forget the last one, count frames from 0. Reads 1 until done.",
+                ),
+                Field(
+                    "use_constant", 2, 1, "Thresholds relative to CONSTANT, not to the last frame's largest."
+                ),
+                Field("report_rejected", 3, 1, "Report corners that the texture filter rejects, too."),
+                Field("ignore_eol", 4, 1, "Tell lines apart by counting: for sources without end of line."),
+            ),
+        ),
+        Register(
+            "STATUS",
+            0x14,
+            "w1c",
+            "What has happened. Bits stay until 1 is written to them.",
+            tuple(Field(name, bit, 1, text) for name, bit, text in events),
+        ),
+        Register(
+            "IRQ_ENABLE",
+            0x18,
+            "rw",
+            "The interrupt is high while a bit of STATUS is set that is set here.",
+            tuple(Field(f"irq_{name}", bit, 1, f"See STATUS.{name}.") for name, bit, _ in events),
+        ),
+        Register(
+            "SIZE",
+            0x1C,
+            "rw",
+            f"Frame size, {SUPPORT}x{SUPPORT} to {p.max_width}x{p.max_height}; both halves are checked together.",
+            (
+                Field("width", 0, 16, "Pixels.", p.max_width),
+                Field("height", 16, 16, "Pixels.", p.max_height),
+            ),
+        ),
+        Register(
+            "SIGMA1",
+            0x20,
+            "rw",
+            "Corner threshold.",
+            (Field("sigma1", 0, SIGMA_BITS, "In units of 1/65536.", settings.sigma1_fixed),),
+        ),
+        Register(
+            "SIGMA2",
+            0x24,
+            "rw",
+            "Texture threshold.",
+            (
+                Field(
+                    "sigma2",
+                    0,
+                    SIGMA_BITS + SIGMA2_INTEGER_BITS,
+                    "In units of 1/65536.",
+                    settings.sigma2_fixed,
+                ),
+            ),
+        ),
+        Register(
+            "CONSTANT",
+            0x28,
+            "rw",
+            "Reference where no frame before counts.",
+            (Field("constant", 0, p.response_bits, "In units of D.", settings.constant),),
+        ),
+        Register(
+            "FLOOR",
+            0x2C,
+            "rw",
+            "The reference is never below it.",
+            (Field("floor", 0, p.response_bits, "In units of D.", settings.floor),),
+        ),
+        Register(
+            "MAX_RECORDS",
+            0x30,
+            "rw",
+            "Corners reported per frame, at most. Holds at once.",
+            (Field("max_records", 0, COUNT_BITS, "Records, without the end-of-frame record.", NO_LIMIT),),
+        ),
+        Register(
+            "TIMEOUT",
+            0x34,
+            "rw",
+            "When INPUT_IDLE and OUTPUT_STALLED are set.",
+            (Field("timeout", 0, TIMEOUT_BITS, "Clocks; 0: never.", (1 << TIMEOUT_BITS) - 1),),
+        ),
+    )
+
+
+def _results() -> tuple[Register, ...]:
+    return (
+        Register(
+            "FRAMES",
+            0x40,
+            "ro",
+            "Frames that have ended, cut ones included; also the number of the next one.",
+            (Field("frames", 0, FRAME_BITS, "Modulo 65536.", 0),),
+        ),
+        Register(
+            "CORNERS",
+            0x44,
+            "ro",
+            "Of the last complete frame.",
+            (Field("corners", 0, COUNT_BITS, "Corners found, those included that were dropped."),),
+        ),
+        Register(
+            "DROPPED",
+            0x48,
+            "ro",
+            "Of the last complete frame.",
+            (Field("dropped", 0, COUNT_BITS, "Corners beyond MAX_RECORDS."),),
+        ),
+        Register(
+            "CLOCKS",
+            0x4C,
+            "ro",
+            "Of the last frame that has come in completely.",
+            (Field("clocks", 0, 32, "Clocks from its first pixel to its last, both counted."),),
+        ),
+        Register(
+            "MAXIMUM",
+            0x50,
+            "ro",
+            "Of the last complete frame: the next one's reference.",
+            (Field("maximum", 0, RESPONSE_FIELD_BITS, "Largest response D."),),
+        ),
+    )

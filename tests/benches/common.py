@@ -1,0 +1,236 @@
+"""What test benches share: clock and reset, video in, packets out, registers, and rules that are watched.
+
+Drivers are cocotbext-axi's, which nobody here wrote. Make them before :func:`start`, so that no pin is left
+without a value and each of them sees the reset. Everything random comes from :mod:`random`, which cocotb seeds.
+"""
+
+from __future__ import annotations
+
+import logging
+import random
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import cocotb
+import numpy as np
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles, RisingEdge
+from cocotbext.axi import (
+    AxiLiteBus,
+    AxiLiteMaster,
+    AxiResp,
+    AxiStreamBus,
+    AxiStreamFrame,
+    AxiStreamSink,
+    AxiStreamSource,
+)
+from numpy.typing import NDArray
+
+from sim.cocotb_bench import CLOCK_NS
+
+Dut = Any
+"""The top module: what it has as attributes shows at run time only."""
+
+_STREAM_PAYLOAD = ("data", "user", "last", "keep", "strb", "id", "dest")
+_LITE_PAYLOADS = {
+    "aw": ("addr", "prot"),
+    "w": ("data", "strb"),
+    "b": ("resp",),
+    "ar": ("addr", "prot"),
+    "r": ("data", "resp"),
+}
+
+
+def pauses(share: float) -> Iterator[bool]:
+    """For any driver: pause in that share of all clocks, at random."""
+    while True:
+        yield random.random() < share
+
+
+async def start(dut: Dut, clocks: int = 3) -> None:
+    """Starts the clock and resets the core; returns after the first clock without reset."""
+    Clock(dut.clk, CLOCK_NS, "ns").start()
+    await reset(dut, clocks)
+
+
+async def reset(dut: Dut, clocks: int = 3) -> None:
+    """Resets the core and, by the same pin, the drivers: they lose a packet that has begun, and no other."""
+    dut.rst.value = 1
+    await ClockCycles(dut.clk, clocks)
+    dut.rst.value = 0
+    await RisingEdge(dut.clk)
+
+
+class VideoSource:
+    """Sends frames as AXI4-Stream video: a packet is a line, TUSER[0] marks the first pixel of a frame.
+
+    Parameters
+    ----------
+    share
+        Of the clocks in which to pause.
+    """
+
+    def __init__(self, dut: Dut, prefix: str = "s_axis", share: float = 0) -> None:
+        _quieten(dut, prefix)
+        self.axi = AxiStreamSource(AxiStreamBus.from_prefix(dut, prefix), dut.clk, dut.rst)
+        _pause(share, self.axi)
+
+    def frame(self, image: NDArray[np.uint8]) -> None:
+        """Queues a whole frame, (height, width)."""
+        for y, row in enumerate(image):
+            self.line(row.tobytes(), first=y == 0)
+
+    def line(self, pixels: bytes, *, first: bool) -> None:
+        """Queues a line, of any length; ``first`` of its frame or not."""
+        # what is missing of TUSER is as its last
+        self.axi.send_nowait(AxiStreamFrame(pixels, tuser=[1, 0] if first else 0))
+
+    def clear(self) -> None:
+        """Forgets what is queued; a line that has begun goes on, unless there is a reset."""
+        self.axi.clear()
+
+    async def done(self) -> None:
+        """Returns when the last beat queued has been taken."""
+        await self.axi.wait()
+
+
+class Packet(NamedTuple):
+    """Beats up to TLAST: their TDATA, and TUSER where there is one."""
+
+    data: list[int]
+    user: list[int]
+
+
+class Sink:
+    """Takes packets: records, or lines of video.
+
+    Parameters
+    ----------
+    share
+        Of the clocks in which to pause.
+    """
+
+    def __init__(self, dut: Dut, prefix: str = "m_axis", share: float = 0) -> None:
+        _quieten(dut, prefix)
+        # one "byte" as wide as a beat: packets of beats, not of bytes
+        self.axi = AxiStreamSink(AxiStreamBus.from_prefix(dut, prefix), dut.clk, dut.rst, byte_lanes=1)
+        _pause(share, self.axi)
+
+    async def packet(self) -> Packet:
+        """The next packet, once it is complete."""
+        frame = await self.axi.recv(compact=False)
+        return Packet(list(frame.tdata), list(frame.tuser))
+
+    @property
+    def empty(self) -> bool:
+        """No packet is waiting, and none has begun. The end of the last one shows some clocks late."""
+        return self.axi.empty() and not self.axi.active
+
+
+class Registers:
+    """Reads and writes registers of 32 bits through AXI4-Lite.
+
+    Parameters
+    ----------
+    share
+        Of the clocks in which each channel pauses, by itself.
+    """
+
+    def __init__(self, dut: Dut, prefix: str = "s_axil", share: float = 0) -> None:
+        _quieten(dut, prefix)
+        self.axi = AxiLiteMaster(AxiLiteBus.from_prefix(dut, prefix), dut.clk, dut.rst)
+        writer, reader = self.axi.write_if, self.axi.read_if
+        channels = [
+            writer.aw_channel,
+            writer.w_channel,
+            writer.b_channel,
+            reader.ar_channel,
+            reader.r_channel,
+        ]
+        _pause(share, *channels)
+
+    async def read(self, address: int, expect: AxiResp = AxiResp.OKAY) -> int:
+        """The value at a byte address; AssertionError if the core answers anything but ``expect``."""
+        answer = await self.axi.read(address, 4)
+        assert answer.resp == expect, f"read of {address:#04x}: {answer.resp!r} instead of {expect!r}"
+        return int.from_bytes(answer.data, "little")
+
+    async def write(self, address: int, value: int, expect: AxiResp = AxiResp.OKAY) -> None:
+        """As :meth:`read`."""
+        answer = await self.axi.write(address, value.to_bytes(4, "little"))
+        assert answer.resp == expect, f"write to {address:#04x}: {answer.resp!r} instead of {expect!r}"
+
+
+class Watch:
+    """Checks in each clock what AXI asks of the sending side of a channel; a breach fails the test at once.
+
+    Valid stays until the beat is taken, the payload stays meanwhile, and nothing is valid in reset. Looks at the
+    pins alone: no driver can hide anything.
+
+    Members
+    -------
+    beats, stalls
+        Clocks so far in which a beat was taken, and in which one was offered but not taken.
+    """
+
+    def __init__(self, dut: Dut, prefix: str, payload: Sequence[str]) -> None:
+        self.beats = self.stalls = 0
+        self._dut = dut
+        self._prefix = prefix
+        names = [name for name in payload if hasattr(dut, prefix + name)]
+        self._payload = {name: getattr(dut, prefix + name) for name in names}
+        cocotb.start_soon(self._run())
+
+    async def _run(self) -> None:
+        dut, prefix = self._dut, self._prefix
+        valid, ready = getattr(dut, f"{prefix}valid"), getattr(dut, f"{prefix}ready")
+        edge = RisingEdge(dut.clk)
+        offered: dict[str, Any] | None = None
+        was_reset = False
+        while True:
+            await edge
+            if dut.rst.value:
+                assert not (was_reset and valid.value), f"{prefix}valid is high in reset"
+                was_reset, offered = True, None
+                continue
+            if valid.value:
+                assert not was_reset, f"{prefix}valid is high in reset"
+                if offered is not None:
+                    self._compare(offered)
+                if ready.value:
+                    self.beats += 1
+                    offered = None
+                else:
+                    self.stalls += 1
+                    offered = offered or {name: pin.value for name, pin in self._payload.items()}
+            else:
+                assert offered is None, f"{prefix}valid fell before the beat was taken"
+            was_reset = False
+
+    def _compare(self, offered: dict[str, Any]) -> None:
+        for name, pin in self._payload.items():
+            before, now = offered[name], pin.value
+            assert now == before, (
+                f"{self._prefix}{name} changed from {before} to {now} before the beat was taken"
+            )
+
+
+def watch_stream(dut: Dut, prefix: str) -> Watch:
+    """Watches an AXI4-Stream, either side's: ``s_axis``, ``m_axis``."""
+    return Watch(dut, f"{prefix}_t", _STREAM_PAYLOAD)
+
+
+def watch_lite(dut: Dut, prefix: str = "s_axil") -> dict[str, Watch]:
+    """Watches all five channels of an AXI4-Lite bus; by channel: aw, w, b, ar, r."""
+    return {name: Watch(dut, f"{prefix}_{name}", payload) for name, payload in _LITE_PAYLOADS.items()}
+
+
+def _quieten(dut: Dut, prefix: str) -> None:
+    # the models write each packet into the log, which takes longer than to send it
+    logging.getLogger(f"cocotb.{dut._name}.{prefix}").setLevel(logging.WARNING)
+
+
+def _pause(share: float, *drivers: Any) -> None:
+    # a generator costs time in each clock, also one that never pauses
+    for driver in drivers if share else ():
+        driver.set_pause_generator(pauses(share))
