@@ -11,10 +11,12 @@ import click
 from cornerstream.errors import BadInput, bad_input
 from golden import PROFILES, Parameters, Settings, profile
 from golden.parameters import Buffering, Fit, Gradient, Patches, Reference, Ties, check_integer
+from hdl.edges import Interface
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 _DETECTOR = ("gradient", "ties", "fit", "patches", "buffering", "max_width", "max_height", "pixel_bits")
+_EDGES = ("video_out", "autostart")
 _THRESHOLDS = ("sigma1", "sigma2", "reference", "constant", "floor")
 _PLAIN = Parameters()
 _USUAL = Settings()
@@ -70,6 +72,23 @@ pixel_bits_option = click.option(
     help="Width of a pixel, 4 to 10.",
 )
 
+
+def interface_option(default: Interface) -> Callable[[Command], Command]:
+    """``--interface``."""
+    return click.option(
+        "--interface",
+        type=click.Choice(get_args(Interface)),
+        default=default,
+        show_default=True,
+        help="AXI4-Stream and AXI4-Lite, Avalon-ST and Avalon-MM, or the bare detector's stream.",
+    )
+
+
+edge_options = _together(
+    click.option("--video-out", is_flag=True, help="Pass the pixels on, with corners marked (AXI only)."),
+    click.option("--autostart", is_flag=True, help="Start enabled: for designs that write no register."),
+)
+
 threshold_options = _together(
     click.option(
         "--sigma1",
@@ -122,7 +141,7 @@ def output_option(default: str | None, text: str) -> Callable[[Command], Command
 
 def parameters_from(options: dict[str, Any], *, hardware: bool) -> Parameters:
     """The detector that the command line describes; :class:`BadInput` if there is no such detector."""
-    changes = {field: options[field] for field in _DETECTOR if options.get(field) is not None}
+    changes = {field: options[field] for field in (*_DETECTOR, *_EDGES) if options.get(field) is not None}
     if hardware and changes.get("fit") == "printed":
         allowed = ", ".join(fit for fit in get_args(Fit) if fit != "printed")
         raise BadInput(f"fit is 'printed', which only the golden model has; allowed in hardware: {allowed}")

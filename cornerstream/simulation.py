@@ -26,7 +26,7 @@ from cornerstream.options import (
 )
 from cornerstream.tools import running_tools
 from flow.gates import gate_level_engine
-from flow.verilog import detector_verilog
+from flow.verilog import core_verilog
 from flow.yowasp import require
 from golden import Corners, Parameters, Settings, StreamModel, decode
 from hdl.detector import Detector
@@ -173,7 +173,7 @@ def _engine(name: str, parameters: Parameters) -> Engine:
         if name != "verilog":
             return make_engine(cast(EngineName, name), detector, notify=console.say)
         path = Path(folder) / "cornerstream.v"
-        path.write_text(detector_verilog(detector, parameters), encoding="utf-8")
+        path.write_text(core_verilog(detector, parameters), encoding="utf-8")
         return make_engine("verilog", detector, verilog=path, notify=console.say)
 
 

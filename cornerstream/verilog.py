@@ -11,28 +11,39 @@ import click
 from cornerstream import console
 from cornerstream.errors import bad_input
 from cornerstream.files import prepare_folder, write_all
-from cornerstream.options import detector_options, parameters_from, pixel_bits_option
+from cornerstream.options import (
+    detector_options,
+    edge_options,
+    interface_option,
+    parameters_from,
+    pixel_bits_option,
+)
 from cornerstream.tools import running_tools
 from flow.verilog import emit_verilog
+from hdl.edges import Interface
 
 
 @click.command(short_help="The core as Verilog.")
+@interface_option("axi")
 @detector_options
 @pixel_bits_option
+@edge_options
 @click.option("--output", "-o", type=click.Path(path_type=Path), metavar="FILE", help="Default: stdout.")
-def verilog(output: Path | None, **options: Any) -> None:
+def verilog(output: Path | None, interface: Interface, **options: Any) -> None:
     """Write the core as Verilog-2001, one file, top module 'cornerstream'.
 
     \b
     Examples:
       cornerstream verilog -o cornerstream.v
       cornerstream verilog --profile robust --max-width 1280 --max-height 720 -o corners720.v
+      cornerstream verilog --interface avalon -o cornerstream.v
+      cornerstream verilog --interface stream -o bare.v
     """
     parameters = parameters_from(options, hardware=True)
     if output is not None:
         prepare_folder(output.parent)
     with console.activity("Generating Verilog"), running_tools(), bad_input():
-        text = emit_verilog(parameters)
+        text = emit_verilog(parameters, interface)
     if output is None:
         sys.stdout.write(text)
     else:

@@ -12,9 +12,9 @@ from itertools import count
 from amaranth.back import rtlil
 from amaranth.lib import wiring
 
-from golden.version import VERSION
 from golden import Parameters
-from hdl.detector import Detector
+from golden.version import VERSION
+from hdl.edges import Interface, make_core
 
 MODULE = "cornerstream"
 
@@ -51,15 +51,18 @@ class VerilogError(RuntimeError):
     """Yosys refused the design; the message is Yosys's."""
 
 
-def emit_verilog(parameters: Parameters) -> str:
-    """Verilog-2001 of one detector: top module :data:`MODULE`, clock ``clk``, synchronous reset ``rst``."""
-    return detector_verilog(Detector(parameters), parameters)
+def emit_verilog(parameters: Parameters, interface: Interface = "stream") -> str:
+    """Verilog-2001 of one core: top module :data:`MODULE`, clock ``clk``, synchronous reset ``rst``.
+
+    ``ValueError`` where there is no such core.
+    """
+    return core_verilog(make_core(parameters, interface), parameters)
 
 
-def detector_verilog(detector: Detector, parameters: Parameters) -> str:
-    """As :func:`emit_verilog`, of a detector that exists and was built with these parameters."""
+def core_verilog(core: wiring.Component, parameters: Parameters) -> str:
+    """As :func:`emit_verilog`, of a core that exists and was built with these parameters."""
     lines = [f"  {field.name} = {getattr(parameters, field.name)}" for field in fields(parameters)]
-    return convert(detector, MODULE, ["Parameters:", *lines])
+    return convert(core, MODULE, ["Parameters:", *lines])
 
 
 def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:

@@ -13,8 +13,8 @@ import jinja2
 
 from flow.quartus.memories import Memory, find_memories, with_attributes
 from flow.verilog import MODULE, emit_verilog
-from golden.version import VERSION
 from golden import Parameters
+from golden.version import VERSION
 
 FAMILY = "Cyclone IV GX"
 DEVICE = "EP4CGX150CF23C8"

@@ -1,1 +1,24 @@
 """The edges of the core: what stands between the detector and buses that other people's cores speak."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, get_args
+
+from golden.parameters import Parameters
+from hdl.detector import Detector
+from hdl.edges.avalon import AvalonCore
+from hdl.edges.axi import AxiCore
+
+Interface = Literal["axi", "avalon", "stream"]
+"""AXI4-Stream and AXI4-Lite; Avalon-ST and Avalon-MM; or the bare detector, which takes complete frames only."""
+
+
+def make_core(parameters: Parameters, interface: Interface) -> Any:
+    """The top of a core with such edges; ``ValueError`` if there is none with these parameters."""
+    if interface == "axi":
+        return AxiCore(parameters)
+    if interface == "avalon":
+        return AvalonCore(parameters)
+    if interface == "stream":
+        return Detector(parameters)
+    raise ValueError(f"interface is {interface!r}; allowed: {', '.join(get_args(Interface))}")

@@ -26,6 +26,8 @@ class Core(wiring.Component):
         What to build.
     detector
         See ``VideoDetector``.
+    ends_of_line
+        The video marks them; else lines are told apart by counting, whatever software says.
 
     Members
     -------
@@ -37,8 +39,9 @@ class Core(wiring.Component):
         Interrupt, high until software clears what caused it.
     """
 
-    def __init__(self, parameters: Parameters, *, detector: Any = None) -> None:
+    def __init__(self, parameters: Parameters, *, detector: Any = None, ends_of_line: bool = True) -> None:
         self._parameters = p = parameters
+        self._ends_of_line = ends_of_line
         self.video_detector = VideoDetector(p, detector=detector)
         self.bank = RegisterBank(p)
         super().__init__(
@@ -67,6 +70,8 @@ class Core(wiring.Component):
             *(bank.events[name].eq(video.events[name]) for name, _ in video.events.shape()),
             self.irq.eq(bank.irq),
         ]
+        if not self._ends_of_line:
+            m.d.comb += video.control.ignore_eol.eq(1)
         outputs = [self.records]
         if self._parameters.video_out:
             wiring.connect(m, video.overlay, wiring.flipped(self.overlay))

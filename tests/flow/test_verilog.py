@@ -16,7 +16,7 @@ from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 from flow.quartus import find_memories, split_modules
-from flow.verilog import convert, detector_verilog, emit_verilog
+from flow.verilog import convert, core_verilog, emit_verilog
 from golden.version import VERSION
 from golden import Parameters, Settings, StreamModel, profile
 from hdl.detector import Detector
@@ -176,7 +176,7 @@ def noise_at_power_on(text: str) -> tuple[str, int]:
 def test_no_record_depends_on_what_memories_held_at_power_on(tmp_path: Path, name: str) -> None:
     parameters = profile(name, **SMALL)
     detector = Detector(parameters)
-    plain = detector_verilog(detector, parameters)
+    plain = core_verilog(detector, parameters)
     text, memories = noise_at_power_on(plain)
     _, modules = split_modules(plain)
     kinds = [memory.kind for module, body in modules.items() for memory in find_memories(module, body)]

@@ -1,0 +1,121 @@
+"""The core with Avalon edges, for Intel's Platform Designer: Avalon-ST Video in, Avalon-ST records out, Avalon-MM."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module, Signal
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.output_constructor import RECORD_BITS
+from golden.parameters import Parameters
+from hdl.edges.core import Core
+from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS
+
+VIDEO_PACKET = 0
+"""Low four bits of the first beat of a packet that holds a frame's pixels; all other packets are passed over."""
+PACKET_TYPE_BITS = 4
+
+
+class AvalonCore(wiring.Component):
+    """The core with Avalon edges; ports by the prefixes that Platform Designer knows. All readiness is of latency 0.
+
+    Avalon-ST Video has no ends of line: lines are told apart by counting. A frame is cut where the next one begins
+    too early. Frame sizes come from the registers; control packets are passed over, as are users' packets.
+
+    Members
+    -------
+    asi_video_*
+        Avalon-ST Video, one colour plane, one pixel per beat.
+    aso_records_*
+        Records, a packet per frame.
+    avs_registers_*
+        Avalon-MM: word addresses, pipelined reads, no waiting. Errors are not reported; what is refused stays.
+    ins_irq_irq
+        Interrupt, active high.
+
+    Raises
+    ------
+    ValueError
+        For ``video_out``: the packet of a frame that is cut would lack its end, which Avalon-ST does not allow.
+    """
+
+    def __init__(self, parameters: Parameters, *, detector: Any = None) -> None:
+        if parameters.video_out:
+            raise ValueError("video_out is True; allowed with Avalon edges: False")
+        self.core = Core(parameters, detector=detector, ends_of_line=False)
+        super().__init__(
+            {
+                "asi_video_data": In(parameters.pixel_bits),
+                "asi_video_valid": In(1),
+                "asi_video_ready": Out(1),
+                "asi_video_startofpacket": In(1),
+                "asi_video_endofpacket": In(1),
+                "aso_records_data": Out(RECORD_BITS),
+                "aso_records_valid": Out(1),
+                "aso_records_ready": In(1),
+                "aso_records_startofpacket": Out(1, init=1),
+                "aso_records_endofpacket": Out(1),
+                "avs_registers_address": In(ADDRESS_BITS - 2),
+                "avs_registers_read": In(1),
+                "avs_registers_readdata": Out(DATA_BITS),
+                "avs_registers_readdatavalid": Out(1),
+                "avs_registers_write": In(1),
+                "avs_registers_writedata": In(DATA_BITS),
+                "avs_registers_byteenable": In(DATA_BITS // 8),
+                "ins_irq_irq": Out(1),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.core = core = self.core
+        m.d.comb += self.ins_irq_irq.eq(core.irq)
+        self._video(m)
+        self._records(m)
+        self._registers(m)
+        return m
+
+    def _video(self, m: Module) -> None:
+        video = self.core.video
+        pixels, first = Signal(), Signal()
+        start = self.asi_video_startofpacket
+        m.d.comb += [
+            self.asi_video_ready.eq(video.ready),
+            video.valid.eq(self.asi_video_valid & pixels & ~start),
+            video.payload.pixel.eq(self.asi_video_data),
+            video.payload.sof.eq(first),
+        ]
+        with m.If(self.asi_video_valid & video.ready):
+            m.d.sync += first.eq(start)
+            with m.If(start):
+                m.d.sync += pixels.eq(self.asi_video_data[:PACKET_TYPE_BITS] == VIDEO_PACKET)
+            with m.If(self.asi_video_endofpacket):
+                m.d.sync += pixels.eq(0)
+
+    def _records(self, m: Module) -> None:
+        records = self.core.records
+        m.d.comb += [
+            self.aso_records_data.eq(records.payload.record),
+            self.aso_records_valid.eq(records.valid),
+            self.aso_records_endofpacket.eq(records.payload.last),
+            records.ready.eq(self.aso_records_ready),
+        ]
+        with m.If(records.valid & records.ready):
+            m.d.sync += self.aso_records_startofpacket.eq(records.payload.last)
+
+    def _registers(self, m: Module) -> None:
+        bus = self.core.bus
+        m.d.comb += [
+            bus.write.eq(self.avs_registers_write),
+            bus.write_address.eq(self.avs_registers_address),
+            bus.write_data.eq(self.avs_registers_writedata),
+            bus.write_mask.eq(self.avs_registers_byteenable),
+        ]
+        m.d.sync += [
+            bus.read.eq(self.avs_registers_read),
+            bus.read_address.eq(self.avs_registers_address),
+            self.avs_registers_readdatavalid.eq(bus.read),
+            self.avs_registers_readdata.eq(bus.read_data),
+        ]
