@@ -12,7 +12,15 @@ from golden.parameters import SUPPORT, Parameters
 from golden.video import Event
 from hdl.edges.frame_guard import events_layout
 from hdl.edges.packet_constructor import results_layout
-from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS, TIMEOUT_BITS, Register, register_map
+from hdl.edges.register_map import (
+    ADDRESS_BITS,
+    DATA_BITS,
+    RESET_BIT,
+    TIMEOUT_BITS,
+    Field,
+    Register,
+    register_map,
+)
 from hdl.edges.video_detector import CLOCK_BITS, control_layout, initial_control
 
 OWN_EVENTS = (Event.SIZE_CHANGED, Event.SIZE_REFUSED)
@@ -98,10 +106,9 @@ class RegisterBank(wiring.Component):
                 with m.Case(register.address >> 2):
                     m.d.comb += [bus.read_data.eq(self._contents(register)), bus.read_error.eq(0)]
 
-        data = self._merged(m)
-        self._settings(m, written, data)
-        self._size(m, written["SIZE"], data)
-        self._status(m, written, data)
+        self._settings(m, written)
+        self._size(m, written["SIZE"])
+        self._status(m, written)
         return m
 
     def _field(self, name: str) -> Value | None:
@@ -123,53 +130,57 @@ class RegisterBank(wiring.Component):
             contents = Cat(contents, C(0, field.low - len(contents)), bits)
         return contents
 
-    def _merged(self, m: Module) -> Signal:
-        """What a register that is written holds then: bytes that are not written stay."""
-        bus = self.bus
-        before, data = Signal(DATA_BITS), Signal(DATA_BITS)
-        with m.Switch(bus.write_address):
-            for register in self.registers.values():
-                if register.access == "rw":
-                    with m.Case(register.address >> 2):
-                        m.d.comb += before.eq(self._contents(register))
-        for k in range(DATA_BITS // 8):
-            part = slice(8 * k, 8 * k + 8)
-            m.d.comb += data[part].eq(Mux(bus.write_mask[k], bus.write_data[part], before[part]))
-        return data
+    def _write(self, m: Module, written: Signal, field: Field, kept: Value) -> None:
+        """The bytes that are written; the others stay."""
+        for byte in range(field.low // 8, field.high // 8 + 1):
+            low, high = max(8 * byte, field.low), min(8 * byte + 7, field.high)
+            with m.If(written & self.bus.write_mask[byte]):
+                m.d.sync += kept[low - field.low : high + 1 - field.low].eq(
+                    self.bus.write_data[low : high + 1]
+                )
 
-    def _settings(self, m: Module, written: dict[str, Signal], data: Signal) -> None:
-        with m.If(self.reset_done):
-            m.d.sync += self.control.reset.eq(0)
+    def _settings(self, m: Module, written: dict[str, Signal]) -> None:
         for name, register in self.registers.items():
             if register.access != "rw" or name in ("SIZE", "IRQ_ENABLE"):
                 continue
-            with m.If(written[name]):
-                for field in register.fields:
-                    kept, bits = self._field(field.name), data[field.low : field.high + 1]
-                    assert kept is not None
-                    # a reset that was asked for cannot be taken back
-                    m.d.sync += kept.eq(bits | kept if field.name == "reset" else bits)
+            for field in register.fields:
+                kept = self._field(field.name)
+                assert kept is not None
+                if field.name != "reset":
+                    self._write(m, written[name], field, kept)
+        # asked for by a 1, and not to be taken back
+        reset = self.control.reset
+        with m.If(written["CONTROL"] & self.bus.write_mask[0] & self.bus.write_data[RESET_BIT]):
+            m.d.sync += reset.eq(1)
+        with m.Elif(self.reset_done):
+            m.d.sync += reset.eq(0)
 
-    def _size(self, m: Module, written: Signal, data: Signal) -> None:
-        p = self._parameters
-        fields = {field.name: field for field in self.registers["SIZE"].fields}
-        sizes = {name: data[field.low : field.high + 1] for name, field in fields.items()}
+    def _size(self, m: Module, written: Signal) -> None:
+        """Both halves are checked together, also where only some bytes are written."""
+        p, bus = self._parameters, self.bus
         limits = {"width": p.max_width, "height": p.max_height}
         good = Signal()
+        sizes: dict[str, Value] = {}
+        for field in self.registers["SIZE"].fields:
+            kept = Cat(self.control[field.name], C(0, field.bits))
+            sizes[field.name] = Cat(
+                Mux(bus.write_mask[(field.low + k) // 8], bus.write_data[field.low + k], kept[k])
+                for k in range(field.bits)
+            )
         m.d.comb += good.eq(
-            Cat((sizes[name] >= SUPPORT) & (sizes[name] <= limits[name]) for name in limits).all()
+            Cat((size >= SUPPORT) & (size <= limits[name]) for name, size in sizes.items()).all()
         )
         with m.If(written & good):
-            m.d.sync += [self.control[name].eq(sizes[name]) for name in limits]
+            m.d.sync += [self.control[name].eq(size) for name, size in sizes.items()]
         m.d.comb += [self._changed.eq(written & good & self.active), self._refused.eq(written & ~good)]
 
-    def _status(self, m: Module, written: dict[str, Signal], data: Signal) -> None:
+    def _status(self, m: Module, written: dict[str, Signal]) -> None:
         own = {"size_changed": self._changed, "size_refused": self._refused}
         for event in Event:
             name, bit = str(event.name).lower(), event.bit_length() - 1
             happens = own[name] if name in own else self.events[name]
             cleared = written["STATUS"] & self.bus.write_data[bit] & self.bus.write_mask[bit // 8]
             m.d.sync += self._status_bits[bit].eq(happens | (self._status_bits[bit] & ~cleared))
-        with m.If(written["IRQ_ENABLE"]):
-            m.d.sync += self._enabled.eq(data)
+        for field in self.registers["IRQ_ENABLE"].fields:
+            self._write(m, written["IRQ_ENABLE"], field, self._enabled[field.low : field.high + 1])
         m.d.sync += self.irq.eq((self._status_bits & self._enabled).any())

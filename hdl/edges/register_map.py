@@ -18,6 +18,8 @@ ADDRESS_BITS = 8
 """Of a byte address; registers are 4 bytes wide."""
 IDENTITY = int.from_bytes(b"CORN", "big")
 TIMEOUT_BITS = 24
+RESET_BIT = 1
+"""Of CONTROL."""
 MEANINGS = {
     Event.FRAME_DONE: "The end of a complete frame has been delivered.",
     Event.FRAME_CUT: "The end of a frame that was cut has been delivered.",
@@ -158,7 +160,7 @@ def _control(p: Parameters) -> tuple[Register, ...]:
                 Field("enable", 0, 1, "Let frames start; else video is taken and dropped.", int(p.autostart)),
                 Field(
                     "reset",
-                    1,
+                    RESET_BIT,
                     1,
                     "Write 1: cut the frame under way, forget the last one, count frames from 0. Reads 1 until done.",
                 ),
