@@ -61,7 +61,7 @@ class Event(IntFlag):
     SIZE_CHANGED = 1 << 9
     """The frame size was set while a frame was under way, for which the old one holds."""
     SIZE_REFUSED = 1 << 10
-    """A frame size out of range was written; the old one stays."""
+    """A frame size out of range, or only a part of one, was written; the old one stays."""
     INPUT_IDLE = 1 << 11
     """No pixel has come for too long in the middle of a frame."""
     OUTPUT_STALLED = 1 << 12

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Mux, Signal, Value
+from amaranth.hdl import C, Cat, Module, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -156,19 +156,16 @@ class RegisterBank(wiring.Component):
             m.d.sync += reset.eq(0)
 
     def _size(self, m: Module, written: Signal) -> None:
-        """Both halves are checked together, also where only some bytes are written."""
+        """Both halves are checked together, and so must be written together."""
         p, bus = self._parameters, self.bus
         limits = {"width": p.max_width, "height": p.max_height}
+        sizes = {
+            field.name: bus.write_data[field.low : field.high + 1] for field in self.registers["SIZE"].fields
+        }
         good = Signal()
-        sizes: dict[str, Value] = {}
-        for field in self.registers["SIZE"].fields:
-            kept = Cat(self.control[field.name], C(0, field.bits))
-            sizes[field.name] = Cat(
-                Mux(bus.write_mask[(field.low + k) // 8], bus.write_data[field.low + k], kept[k])
-                for k in range(field.bits)
-            )
         m.d.comb += good.eq(
             Cat((size >= SUPPORT) & (size <= limits[name]) for name, size in sizes.items()).all()
+            & bus.write_mask.all()
         )
         with m.If(written & good):
             m.d.sync += [self.control[name].eq(size) for name, size in sizes.items()]

@@ -31,7 +31,7 @@ MEANINGS = {
     Event.EOL_MISSING: "A whole further line's pixels came without an end of line: they were dropped.",
     Event.RECORDS_DROPPED: "A frame had more corners than MAX_RECORDS: the surplus was dropped.",
     Event.SIZE_CHANGED: "SIZE was written while a frame was under way: the new size holds from the next one on.",
-    Event.SIZE_REFUSED: "A size out of range was written: SIZE stays as it was.",
+    Event.SIZE_REFUSED: "A size out of range, or only a part of one, was written: SIZE stays as it was.",
     Event.INPUT_IDLE: "In the middle of a frame no pixel came for TIMEOUT clocks.",
     Event.OUTPUT_STALLED: "An output beat was not taken for TIMEOUT clocks.",
 }
@@ -189,7 +189,7 @@ def _control(p: Parameters) -> tuple[Register, ...]:
             "SIZE",
             0x1C,
             "rw",
-            f"Frame size, {SUPPORT}x{SUPPORT} to {p.max_width}x{p.max_height}; both halves are checked together.",
+            f"Frame size, {SUPPORT}x{SUPPORT} to {p.max_width}x{p.max_height}; all four bytes are written at once.",
             (
                 Field("width", 0, 16, "Pixels.", p.max_width),
                 Field("height", 16, 16, "Pixels.", p.max_height),
