@@ -1,0 +1,122 @@
+# amaranth: UnusedElaboratable=no
+"""The pixels passed on: the same, each in its place, and marked where the golden model finds a corner."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from golden import Parameters, Settings, profile
+from golden.corner_detection import corner_detection
+from golden.detector import RESPONSE_MARGIN, response_map
+from golden.parameters import MARGIN, WINDOW_SIZE
+from golden.preprocessing import Image
+from golden.texture_filter import texture_filter
+from golden.thresholds import thresholds
+from golden.video import VideoSettings, marked
+from hdl.edges.overlay import Overlay
+from sim import Stalls, Stimulus
+from tests.hdl.blocks import engine
+from tests.hdl.edges.components import PlainVideoDetector, levels, packets, payloads
+from tests.malformed import random_video
+from tests.photographs import photograph
+
+MAX_WIDTH, MAX_HEIGHT = 150, 40
+BUILDS = {
+    "banked": profile("paper", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
+    "lean": profile("robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
+}
+builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys())
+
+
+def video_settings(parameters: Parameters, width: int, height: int) -> VideoSettings:
+    # a constant reference: what is marked depends on the frame alone
+    settings = Settings.default(parameters, sigma1=0.02, sigma2=4.0, reference="constant")
+    return VideoSettings(width, height, settings)
+
+
+def corner_map(image: Image, parameters: Parameters, settings: Settings) -> np.ndarray:
+    """Where the accepted corners are, pixel by pixel: every window of the frame is looked at."""
+    limits = thresholds(settings, settings.constant, parameters)
+    responses = response_map(image, parameters)
+    windows = np.lib.stride_tricks.sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))
+    inner = MARGIN - RESPONSE_MARGIN
+    around = responses[inner - 1 : 1 - inner, inner - 1 : 1 - inner]
+    corners = corner_detection(around, limits.t1, parameters.ties)
+    accepted = corners & texture_filter(windows, limits.t2, parameters.patches)
+    return np.pad(accepted, MARGIN)
+
+
+def beats_of(image: Image, parameters: Parameters, settings: Settings) -> list[tuple[int, int, int, int]]:
+    """(pixel, corner, sof, eol) as they must come out."""
+    corners = corner_map(image, parameters, settings).ravel()
+    return [
+        (pixel, int(corner), int(sof), int(eol))
+        for (pixel, sof, eol), corner in zip(marked(image), corners, strict=True)
+    ]
+
+
+def shown(words: np.ndarray) -> list[tuple[int, int, int, int]]:
+    return [(w & 255, w >> 8 & 1, w >> 9 & 1, w >> 10 & 1) for w in words.tolist()]
+
+
+@pytest.mark.parametrize("stalls", [Stalls(), Stalls(0.3, 0.3, 1), Stalls(0, 0.8, 2)], ids=str)
+@builds
+def test_pixels_and_corners(parameters: Parameters, stalls: Stalls) -> None:
+    runner = engine("compiled", PlainVideoDetector, parameters)
+    sizes = [(MAX_WIDTH, MAX_HEIGHT), (MAX_WIDTH, MAX_HEIGHT), (15, 15), (16, 40), (31, 17), (MAX_WIDTH, 15)]
+    images = [photograph("grass")[k : k + h, 9 : 9 + w] for k, (w, h) in enumerate(sizes)]
+    changes, start, expected = [], 0, []
+    for image in images:
+        video = video_settings(parameters, image.shape[1], image.shape[0])
+        changes.append((start, levels(video)))
+        expected += beats_of(image, parameters, video.settings)
+        start += image.size
+    assert sum(corner for _, corner, _, _ in expected) > 20
+    words = payloads([beat for image in images for beat in marked(image)], parameters)
+    capture = runner.run(Stimulus({"video": words}, changes, stalls), quiet=20 * MAX_WIDTH)
+    assert shown(capture.outputs["overlay"]) == expected
+    assert len(packets(capture)) == len(images)
+
+
+@builds
+def test_full_rate_at_the_built_maximum(parameters: Parameters) -> None:
+    """Neither input nor output ever waits: the overlay is deep enough."""
+    runner = engine("compiled", PlainVideoDetector, parameters)
+    images = [photograph(name)[:MAX_HEIGHT, :MAX_WIDTH] for name in ("camera", "brick", "grass")]
+    video = video_settings(parameters, MAX_WIDTH, MAX_HEIGHT)
+    words = payloads([beat for image in images for beat in marked(image)], parameters)
+    capture = runner.run(Stimulus({"video": words}, [(0, levels(video))]), quiet=20 * MAX_WIDTH)
+    clocks = capture.input_clocks["video"]
+    assert clocks[-1] - clocks[0] + 1 == len(clocks)
+    assert len(capture.outputs["overlay"]) == len(words)
+
+
+@pytest.mark.parametrize("stalls", [Stalls(), Stalls(0.3, 0.5, 3)], ids=str)
+@builds
+def test_malformed_video_comes_out_cut_and_then_exact(parameters: Parameters, stalls: Stalls) -> None:
+    runner = engine("compiled", PlainVideoDetector, parameters)
+    random = np.random.default_rng(4)
+    width, height = 27, 24
+    frames = random_video(random, 100, width, height)
+    video = video_settings(parameters, width, height)
+    beats = [beat for _, frame in frames.frames for beat in frame]
+    stimulus = Stimulus({"video": payloads(beats, parameters)}, [(0, levels(video))], stalls)
+    capture = runner.run(stimulus, quiet=2000)
+    got = shown(capture.outputs["overlay"])
+    starts = [k for k, (_, _, sof, _) in enumerate(got) if sof] + [len(got)]
+    seen = [tuple(got[a:b]) for a, b in pairwise(starts)]
+    # every well-formed frame but one that was cut by a faulty beginning of the next comes out whole
+    whole = [tuple(beats_of(image, parameters, video.settings)) for image, _ in frames.frames]
+    sent = [frame == marked(image) for image, frame in frames.frames]
+    assert all(frame in seen for frame, well in zip(whole[:-1], sent[:-1], strict=True) if well)
+    # and of the others a beginning, with no pixel of another frame in it
+    assert all(len(part) <= width * height for part in seen)
+
+
+def test_memory() -> None:
+    lean, banked = (Overlay(Parameters(buffering=b, video_out=True)) for b in ("lean", "banked"))
+    assert (lean.depth, banked.depth) == (7 * 1920 + 128, 9 * 1920 + 128)
+    assert lean.memory_bits == lean.depth * 9
