@@ -1,0 +1,173 @@
+# amaranth: UnusedElaboratable=no
+"""Avalon edges: packets of Avalon-ST Video in, packets of records out, registers of Avalon-MM."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from amaranth.hdl import Cat, Module
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden import Parameters, Settings
+from golden.preprocessing import Image
+from golden.video import Event, VideoModel, VideoSettings, marked
+from hdl.edges.avalon import AvalonCore
+from hdl.edges.register_map import IDENTITY, register_map
+from hdl.output_constructor import record_layout
+from sim import Stalls, Stimulus
+from tests.hdl.blocks import NO_STALLS, engine
+from tests.hdl.edges.bench import simulate
+from tests.hdl.edges.components import packets
+from tests.photographs import photograph
+
+WIDTH, HEIGHT = 33, 24
+PARAMETERS = Parameters(max_width=WIDTH, max_height=HEIGHT, autostart=True)
+BEAT = data.StructLayout({"data": 8, "start": 1, "end": 1})
+CONTROL_PACKET = [0xF, 0, 0, 2, 1, 0, 0, 1, 8, 3]
+ADDRESSES = {register.name: register.address >> 2 for register in register_map(PARAMETERS)}
+
+
+class PlainAvalonCore(wiring.Component):
+    """``AvalonCore`` with streams that the simulation's engines can drive; registers stay as they are."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self.dut = AvalonCore(parameters)
+        super().__init__(
+            {
+                "video": In(stream.Signature(BEAT)),
+                "records": Out(stream.Signature(record_layout())),
+                "starts": Out(stream.Signature(1, always_ready=True)),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.dut = dut = self.dut
+        m.d.comb += [
+            dut.asi_video_valid.eq(self.video.valid),
+            Cat(dut.asi_video_data, dut.asi_video_startofpacket, dut.asi_video_endofpacket).eq(
+                self.video.payload
+            ),
+            self.video.ready.eq(dut.asi_video_ready),
+            self.records.valid.eq(dut.aso_records_valid),
+            self.records.payload.record.eq(dut.aso_records_data),
+            self.records.payload.last.eq(dut.aso_records_endofpacket),
+            dut.aso_records_ready.eq(self.records.ready),
+            self.starts.valid.eq(dut.aso_records_valid & dut.aso_records_ready),
+            self.starts.payload.eq(dut.aso_records_startofpacket),
+        ]
+        return m
+
+
+def packet(symbols: list[int]) -> list[int]:
+    """Beats of one Avalon-ST packet."""
+    last = len(symbols) - 1
+    return [symbol | (k == 0) << 8 | (k == last) << 9 for k, symbol in enumerate(symbols)]
+
+
+def video_packet(image: Image, kind: int = 0) -> list[int]:
+    return packet([kind, *image.ravel().tolist()])
+
+
+IMAGES = [photograph(name)[50 : 50 + HEIGHT, 80 : 80 + WIDTH] for name in ("brick", "grass", "text", "coins")]
+
+
+def run(beats: list[int], frames: list[list[tuple[int, bool, bool]]], stalls: Stalls = NO_STALLS) -> Any:
+    """Compare what comes of these beats with what the model makes of these frames."""
+    runner = engine("compiled", PlainAvalonCore, PARAMETERS)
+    model = VideoModel(PARAMETERS)
+    video = VideoSettings(WIDTH, HEIGHT, Settings.default(PARAMETERS), ignore_eol=True)
+    expected = [packet for frame in frames for packet in model.feed(frame, video)]
+    capture = runner.run(Stimulus({"video": np.array(beats, np.uint64)}, [], stalls), quiet=2000)
+    got = packets(capture)
+    assert len(got) == len(expected)
+    for one, words in zip(expected, got, strict=True):
+        assert one.matches(words)
+    # a packet starts with the beat after the last one's end
+    starts = capture.outputs["starts"].tolist()
+    assert starts == [int(k == 0) for words in got for k in range(len(words))]
+    return capture
+
+
+@pytest.mark.parametrize("stalls", [Stalls(), Stalls(0.4, 0.4, 1)], ids=["flowing", "both stall"])
+def test_frames_among_other_packets(stalls: Stalls) -> None:
+    beats: list[int] = []
+    for image in IMAGES:
+        beats += packet(CONTROL_PACKET) + video_packet(image) + packet([5, 1, 2, 3])
+    run(beats, [marked(image) for image in IMAGES], stalls)
+
+
+def test_only_the_low_four_bits_tell_the_type() -> None:
+    run(video_packet(IMAGES[0], 0xA0) + video_packet(IMAGES[1], 0x01), [marked(IMAGES[0])])
+
+
+def test_one_pixel_per_clock() -> None:
+    beats = [beat for image in IMAGES for beat in video_packet(image)]
+    clocks = run(beats, [marked(image) for image in IMAGES]).input_clocks["video"]
+    assert clocks[-1] - clocks[0] + 1 == len(beats) == 4 * (WIDTH * HEIGHT + 1)
+
+
+def test_a_packet_that_is_too_short_is_cut_by_the_next() -> None:
+    short = marked(IMAGES[1])[:400]
+    beats = video_packet(IMAGES[0]) + packet([0, *(pixel for pixel, _, _ in short)]) + video_packet(IMAGES[2])
+    run(beats, [marked(IMAGES[0]), short, marked(IMAGES[2])])
+
+
+def test_a_packet_that_is_too_long_loses_its_surplus() -> None:
+    beats = packet([0, *IMAGES[0].ravel().tolist(), *[9] * 50]) + video_packet(IMAGES[2])
+    run(beats, [marked(IMAGES[0]), [(9, False, False)] * 50, marked(IMAGES[2])])
+
+
+def test_pixels_between_packets_are_dropped() -> None:
+    stray = [7, 8, 9]
+    run(stray + video_packet(IMAGES[0]) + stray + video_packet(IMAGES[1]), [marked(i) for i in IMAGES[:2]])
+
+
+def test_registers() -> None:
+    dut = AvalonCore(PARAMETERS)
+
+    async def write(context: Any, name: str, value: int, enable: int = 0xF) -> None:
+        context.set(dut.avs_registers_address, ADDRESSES[name])
+        context.set(dut.avs_registers_writedata, value)
+        context.set(dut.avs_registers_byteenable, enable)
+        context.set(dut.avs_registers_write, 1)
+        await context.tick()
+        context.set(dut.avs_registers_write, 0)
+
+    async def read(context: Any, names: list[str]) -> list[int]:
+        """Reads in clock after clock: so are the answers, two clocks late."""
+        got, valid = [], []
+        for clock in range(len(names) + 4):
+            context.set(dut.avs_registers_read, int(clock < len(names)))
+            if clock < len(names):
+                context.set(dut.avs_registers_address, ADDRESSES[names[clock]])
+            valid.append(context.get(dut.avs_registers_readdatavalid))
+            if valid[-1]:
+                got.append(context.get(dut.avs_registers_readdata))
+            await context.tick()
+        assert valid == [0, 0, *[1] * len(names), 0, 0]
+        return got
+
+    async def bench(context: Any) -> None:
+        assert await read(context, ["ID", "SIZE", "ID"]) == [IDENTITY, WIDTH | HEIGHT << 16, IDENTITY]
+        await write(context, "SIZE", 20 | 18 << 16)
+        await write(context, "SIGMA1", 0x1234)
+        await write(context, "SIGMA1", 0xFFFFFF56, 0b0001)
+        await write(context, "SIZE", 2000 | 18 << 16)
+        await write(context, "ID", 0)
+        got = await read(context, ["SIZE", "SIGMA1", "STATUS", "ID"])
+        assert got == [20 | 18 << 16, 0x1256, Event.SIZE_REFUSED, IDENTITY]
+        assert not context.get(dut.ins_irq_irq)
+        await write(context, "IRQ_ENABLE", Event.SIZE_REFUSED)
+        await context.tick()
+        assert context.get(dut.ins_irq_irq)
+
+    simulate(dut, bench)
+
+
+def test_no_video_out() -> None:
+    with pytest.raises(ValueError, match="video_out is True; allowed with Avalon edges: False"):
+        AvalonCore(Parameters(video_out=True))
