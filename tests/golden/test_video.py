@@ -64,6 +64,7 @@ def test_well_formed_frames_are_those_of_the_plain_model() -> None:
 
 def test_early_sof_cuts_and_begins_at_once() -> None:
     packets, model = feed(marked(FIRST), marked(SECOND)[:300], marked(THIRD))
+    assert len(packets) == 3
     is_exact(packets[0], good(FIRST)[0], 0)
     is_cut(packets[1], 1, 300)
     # the reference is that of the last complete frame

@@ -96,7 +96,7 @@ def run(beats: list[int], frames: list[list[tuple[int, bool, bool]]], stalls: St
 def test_frames_among_other_packets(stalls: Stalls) -> None:
     beats: list[int] = []
     for image in IMAGES:
-        beats += packet(CONTROL_PACKET) + video_packet(image) + packet([5, 1, 2, 3])
+        beats += packet(CONTROL_PACKET) + video_packet(image) + packet([4, 1, 2, 3])
     run(beats, [marked(image) for image in IMAGES], stalls)
 
 
