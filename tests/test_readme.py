@@ -61,7 +61,8 @@ def test_port_table() -> None:
     widths = {name: len(Value.cast(getattr(detector, name))) for name in ("width", "height")}
     widths |= {str(name): Shape.cast(field.shape).width for name, field in settings_layout(profile("paper"))}
     told = {}
-    for line in re.findall(r"^\| (`.*` \| \d+) \|", README, re.MULTILINE):
+    text = (DOCS / "edges.md").read_text(encoding="utf-8")
+    for line in re.findall(r"^\| (`.*` \| \d+) \|", text, re.MULTILINE):
         names, bits = line.split(" | ")
         told |= {name: int(bits) for name in re.findall(r"`(\w+)`", names)}
     assert {name: told[name] for name in widths} == widths

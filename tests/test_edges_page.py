@@ -1,0 +1,77 @@
+# amaranth: UnusedElaboratable=no
+"""What docs/edges.md says of ports, latency, events and tests is so."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from amaranth.hdl import Shape
+
+from golden import Parameters, profile
+from golden.video import Event
+from hdl.edges import make_core
+from hdl.edges.video_detector import VideoDetector
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "docs" / "edges.md").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BENCH = (ROOT / "tests" / "benches" / "bench_axi_malformed.py").read_text(encoding="utf-8")
+
+
+def section(title: str) -> str:
+    return PAGE.split(f"\n## {title}\n")[1].split("\n## ")[0]
+
+
+def table(title: str) -> list[list[str]]:
+    """Cells of a section's table, without its head."""
+    lines = [line for line in section(title).splitlines() if line.startswith("|")][2:]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+def test_every_malformation_has_a_test_and_its_own_bit() -> None:
+    rows = table("Malformed video")
+    assert len(rows) > 15
+    for what, _, bits, tests in rows:
+        for name in re.findall(r"`(\w+)`", tests):
+            assert re.search(rf"^async def {name}\(", BENCH, re.MULTILINE), f"{what}: no test {name}"
+        for name in re.findall(r"\b[A-Z]+_[A-Z]+\b", bits):
+            assert name in Event.__members__
+    told = set(re.findall(r"\b[A-Z]+_[A-Z]+\b", section("Malformed video")))
+    assert told >= set(Event.__members__)
+
+
+@pytest.mark.parametrize("buffering", ["lean", "banked"])
+def test_latency(buffering: str) -> None:
+    detector = VideoDetector(profile("paper", buffering=buffering))
+    found = re.search(r"\*\*(\d+)\*\* clocks later with `lean` buffers and \*\*(\d+) \+ 2·width\*\*", PAGE)
+    assert found
+    lean, banked = (int(number) for number in found.groups())
+    for width in (15, 1920):
+        told = lean if buffering == "lean" else banked + 2 * width
+        assert detector.frame_latency(width) == told
+    assert f"{lean} (or {banked} + 2·width) clocks" in PAGE
+
+
+@pytest.mark.parametrize(("interface", "title"), [("axi", "AXI"), ("avalon", "Avalon")])
+def test_ports(interface: str, title: str) -> None:
+    """Every port of the core is in the table, with its width, and no other."""
+    core = make_core(Parameters(video_out=interface == "axi"), interface)  # type: ignore[arg-type]
+    ports = {str(name): Shape.cast(member.shape).width for name, member in core.signature.members.items()}
+    told: dict[str, int] = {}
+    for names, bits, *_ in table(title):
+        if "*" in names:
+            continue
+        first, *others = re.findall(r"`(\w+)`", names)
+        prefix = first.rpartition("_")[0]
+        all_names = [first, *(f"{prefix}_{other}" for other in others)]
+        told |= dict(zip(all_names, (int(width) for width in bits.split(", ")), strict=True))
+    lite = {name for name in ports if name.startswith("s_axil_")}
+    assert told == {name: width for name, width in ports.items() if name not in lite}
+
+
+def test_the_readme_names_the_axi_ports() -> None:
+    ports = make_core(Parameters(video_out=True), "axi").signature.members
+    for name in ports:
+        assert any(str(name).startswith(told) for told in re.findall(r"`([a-z_]+?)\*?`", README)), name
