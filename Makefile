@@ -11,12 +11,13 @@ CORE := $(VENV)/.installed-core
 TEST := $(VENV)/.installed-test
 EVAL := $(VENV)/.installed-eval
 SYNTH := $(VENV)/.installed-synth
-SOURCES := $(wildcard golden/*.py hdl/*.py flow/*.py flow/quartus/*.py flow/quartus/templates/*)
+FORMAL := $(VENV)/.installed-formal
+SOURCES := $(wildcard golden/*.py hdl/*.py hdl/edges/*.py flow/*.py)
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
-.PHONY: all verilog run export synth tables test lint bench clean distclean help
+.PHONY: all verilog run package export synth tables test verify formal lint bench clean distclean help
 
 all: verilog run  ## the Verilog of the default core, and a photograph through the simulated hardware
 
@@ -27,6 +28,9 @@ $(BUILD)/cornerstream.v: $(SOURCES) | $(CORE)
 
 run: | $(CORE)  ## simulate IMAGE=photo.jpg (default: scikit-image's camera); more options in ARGS=
 	$(BIN)/cornerstream simulate $(if $(IMAGE),"$(IMAGE)") --output $(BUILD) $(ARGS)
+
+package: | $(CORE)  ## build/ip: the core with drivers, descriptions and an example
+	$(BIN)/cornerstream package --output $(BUILD)/ip --force $(ARGS)
 
 export: | $(CORE)  ## build/quartus: the core with a Quartus project for Cyclone IV GX
 	$(BIN)/cornerstream export --output $(BUILD)/quartus --force $(ARGS)
@@ -39,6 +43,12 @@ tables: | $(SYNTH)  ## every figure of docs/comparison.md, measured anew: half a
 
 test: lint  ## ruff, mypy and all tests; options for pytest in ARGS=
 	$(BIN)/python -m pytest -n auto $(ARGS)
+
+verify: | $(TEST)  ## the emitted Verilog by others' bus models, at length, and the long proofs: a quarter of an hour
+	$(BIN)/python -m pytest -m verify -n auto --dist loadgroup $(ARGS)
+
+formal: | $(FORMAL)  ## every proof of docs/formal.md, with its covers and seeded faults: some minutes
+	$(BIN)/python -m pytest -n auto -m "verify or not verify" tests/formal $(ARGS)
 
 lint: | $(TEST)  ## ruff and mypy
 	$(BIN)/ruff check .
@@ -80,6 +90,10 @@ $(TEST): pyproject.toml | $(CORE)
 
 $(SYNTH): pyproject.toml | $(CORE)
 	$(PIP) --editable '.[synth]'
+	@touch $@
+
+$(FORMAL): pyproject.toml | $(CORE)
+	$(PIP) --editable '.[formal]'
 	@touch $@
 
 $(EVAL): pyproject.toml | $(CORE)

@@ -8,6 +8,7 @@ from cornerstream.bench import bench
 from cornerstream.detection import detect
 from cornerstream.errors import OneLineGroup
 from cornerstream.export import export
+from cornerstream.package import package
 from cornerstream.report import report
 from cornerstream.simulation import simulate
 from cornerstream.synth import synth
@@ -30,6 +31,7 @@ def main() -> None:
       cornerstream simulate photo.jpg        ... on your own
       cornerstream detect photo.jpg --json   the golden model only
       cornerstream verilog -o core.v         the core, for your synthesis tool
+      cornerstream package -o ip             the core with drivers, descriptions and an example
       cornerstream export -o project         the core, as a Quartus project
       cornerstream synth                     its area and clock frequency
 
@@ -37,5 +39,5 @@ def main() -> None:
     """
 
 
-for command in (simulate, detect, verilog, export, report, synth, tables, bench):
+for command in (simulate, detect, verilog, package, export, report, synth, tables, bench):
     main.add_command(command)

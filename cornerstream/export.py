@@ -1,4 +1,4 @@
-"""``cornerstream export``: a project for Quartus."""
+"""``cornerstream export``: a project for Quartus; and how a folder is written that may be an earlier run's."""
 
 from __future__ import annotations
 
@@ -37,30 +37,40 @@ def export(output: Path, clock: float, force: bool, **options: Any) -> None:
       cd build/quartus && quartus_sh -t compile.tcl
     """
     parameters = parameters_from(options, hardware=True)
-    old = _old_files(output, force=force)
+    old = earlier_files(output, MANIFEST, "export", force=force)
     with console.activity("Generating Verilog"), running_tools(), bad_input():
         files = project_files(parameters, clock_mhz=clock)
-    _write(output, files, old)
+    write_folder(output, files, old)
     console.say(
         f"Written: {output}, {len(files)} files: {DEVICE}, up to {parameters.max_width}x{parameters.max_height} "
         f"pixels, {clock:g} MHz. Next, in that folder: quartus_sh -t compile.tcl"
     )
 
 
-def _old_files(folder: Path, *, force: bool) -> set[str]:
-    """Files of an earlier export into this folder; :class:`BadInput` if it is somebody else's."""
+def earlier_files(folder: Path, manifest: str, what: str, *, force: bool) -> set[str]:
+    """Files of an earlier run into this folder, known by its manifest; :class:`BadInput` if it is somebody else's.
+
+    Parameters
+    ----------
+    folder, manifest
+        Where, and the name of the JSON file there whose ``files`` are those that were written.
+    what
+        What such a run makes, for the message.
+    force
+        Take somebody else's folder, too.
+    """
     if folder.exists() and not folder.is_dir():
         raise BadInput(f"{folder} is no folder; allowed: a folder that can be written")
     try:
         if not folder.exists() or not any(folder.iterdir()):
             return set()
-        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-        return {name for name in manifest["files"] if _is_inside(name)}
+        made = json.loads((folder / manifest).read_text(encoding="utf-8"))
+        return {name for name in made["files"] if _is_inside(name)}
     except (OSError, ValueError, KeyError, TypeError) as error:
         if force:
             return set()
         raise BadInput(
-            f"{folder} holds files that are no earlier export; allowed: an empty or a new folder, or --force"
+            f"{folder} holds files that are no earlier {what}; allowed: an empty or a new folder, or --force"
         ) from error
 
 
@@ -69,8 +79,8 @@ def _is_inside(name: str) -> bool:
     return not path.is_absolute() and ".." not in path.parts
 
 
-def _write(folder: Path, files: Mapping[str, str], old: set[str]) -> None:
-    """Write the whole project, or nothing of it; then remove what belonged to the old one only."""
+def write_folder(folder: Path, files: Mapping[str, str], old: set[str]) -> None:
+    """Write all files, by path relative to the folder, or none; then remove what belonged to the old ones only."""
     contents = {name: text.encode() for name, text in files.items()}
     if folder.exists():
         _write_into(folder, contents)

@@ -11,7 +11,7 @@ import click
 from cornerstream.errors import BadInput, bad_input
 from golden import PROFILES, Parameters, Settings, profile
 from golden.parameters import Buffering, Fit, Gradient, Patches, Reference, Ties, check_integer
-from hdl.edges import Interface
+from hdl.edges import Interface, check_core
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -140,13 +140,16 @@ def output_option(default: str | None, text: str) -> Callable[[Command], Command
 
 
 def parameters_from(options: dict[str, Any], *, hardware: bool) -> Parameters:
-    """The detector that the command line describes; :class:`BadInput` if there is no such detector."""
+    """The detector that the command line describes; :class:`BadInput` if there is none, or none with such edges."""
     changes = {field: options[field] for field in (*_DETECTOR, *_EDGES) if options.get(field) is not None}
     if hardware and changes.get("fit") == "printed":
         allowed = ", ".join(fit for fit in get_args(Fit) if fit != "printed")
         raise BadInput(f"fit is 'printed', which only the golden model has; allowed in hardware: {allowed}")
     with bad_input():
-        return profile(options["profile"], **changes)
+        parameters = profile(options["profile"], **changes)
+        if "interface" in options:
+            check_core(parameters, options["interface"])
+    return parameters
 
 
 def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:

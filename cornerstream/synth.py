@@ -11,7 +11,6 @@ import click
 from rich.table import Table
 
 from cornerstream import console
-from cornerstream.errors import bad_input
 from cornerstream.files import prepare_folder, write_all
 from cornerstream.options import (
     detector_options,
@@ -67,8 +66,8 @@ def synth(
       cornerstream synth --buffering lean --json > build/synth.json
       cornerstream synth --no-timing --plot build/area.png --netlist build/netlist.v
     """
-    parameters = parameters_from({"profile": profile, **options}, hardware=True)
-    with running_tools(), bad_input():
+    parameters = parameters_from({"profile": profile, "interface": interface, **options}, hardware=True)
+    with running_tools():
         tools = {name: require(name) for name in _packages(no_timing)}
         if plot is not None:
             check_plot(plot)

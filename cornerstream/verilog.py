@@ -39,7 +39,7 @@ def verilog(output: Path | None, interface: Interface, **options: Any) -> None:
       cornerstream verilog --interface avalon -o cornerstream.v
       cornerstream verilog --interface stream -o bare.v
     """
-    parameters = parameters_from(options, hardware=True)
+    parameters = parameters_from({"interface": interface, **options}, hardware=True)
     if output is not None:
         prepare_folder(output.parent)
     with console.activity("Generating Verilog"), running_tools(), bad_input():

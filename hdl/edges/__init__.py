@@ -13,12 +13,16 @@ Interface = Literal["axi", "avalon", "stream"]
 """AXI4-Stream and AXI4-Lite; Avalon-ST and Avalon-MM; or the bare detector, which takes complete frames only."""
 
 
+def check_core(parameters: Parameters, interface: Interface) -> None:
+    """Raise ``ValueError`` if there is no core with these parameters and such edges."""
+    if interface not in get_args(Interface):
+        raise ValueError(f"interface is {interface!r}; allowed: {', '.join(get_args(Interface))}")
+    if interface == "avalon":
+        AvalonCore.check(parameters)
+
+
 def make_core(parameters: Parameters, interface: Interface) -> Any:
     """The top of a core with such edges; ``ValueError`` if there is none with these parameters."""
-    if interface == "axi":
-        return AxiCore(parameters)
-    if interface == "avalon":
-        return AvalonCore(parameters)
-    if interface == "stream":
-        return Detector(parameters)
-    raise ValueError(f"interface is {interface!r}; allowed: {', '.join(get_args(Interface))}")
+    check_core(parameters, interface)
+    tops: dict[Interface, Any] = {"axi": AxiCore, "avalon": AvalonCore, "stream": Detector}
+    return tops[interface](parameters)

@@ -41,9 +41,14 @@ class AvalonCore(wiring.Component):
         For ``video_out``: the packet of a frame that is cut would lack its end, which Avalon-ST does not allow.
     """
 
-    def __init__(self, parameters: Parameters, *, detector: Any = None) -> None:
+    @staticmethod
+    def check(parameters: Parameters) -> None:
+        """Raise ``ValueError`` if it cannot be built so."""
         if parameters.video_out:
             raise ValueError("video_out is True; allowed with Avalon edges: False")
+
+    def __init__(self, parameters: Parameters, *, detector: Any = None) -> None:
+        self.check(parameters)
         self.core = Core(parameters, detector=detector, ends_of_line=False)
         super().__init__(
             {

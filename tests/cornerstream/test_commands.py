@@ -14,8 +14,8 @@ from PIL import Image
 import cornerstream.simulation
 from cornerstream.cli import main
 from cornerstream.picture import ACCEPTED, REJECTED
-from golden.version import VERSION
 from golden import Corners, Parameters, Settings, StreamModel, detect
+from golden.version import VERSION
 from sim import Mismatch
 from tests.photographs import photograph
 

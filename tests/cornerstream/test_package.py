@@ -1,0 +1,122 @@
+"""``cornerstream package``: a folder that is written whole or not at all."""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from cornerstream.cli import main
+from flow import package as package_module
+from flow.package import MANIFEST
+from golden import profile
+
+SIZE = ("--width", "40", "--height", "32")
+
+# each package takes seconds to make
+package_files = cache(package_module.package_files)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cornerstream.package.package_files", package_files)
+    return tmp_path
+
+
+def run(*arguments: str, code: int = 0) -> Result:
+    result = CliRunner().invoke(main, arguments, prog_name="cornerstream")
+    assert result.exit_code == code, result.output
+    if code:
+        assert result.stdout == ""
+        assert result.stderr.startswith("Error: ") and result.stderr.count("\n") == 1
+    return result
+
+
+def contents(folder: Path) -> dict[str, str]:
+    return {str(path.relative_to(folder)): path.read_text() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_package_writes_the_package() -> None:
+    options = ("--profile", "robust", "--pixel-bits", "10", "--video-out", "--autostart")
+    result = run("package", "-o", "deep/ip", *SIZE, *options)
+    changes = {"max_width": 40, "max_height": 32, "pixel_bits": 10, "video_out": True, "autostart": True}
+    assert contents(Path("deep/ip")) == package_files(profile("robust", **changes), "axi")
+    assert result.stdout == "" and "Written: deep/ip, " in result.stderr
+    assert "What is what: deep/ip/README.md" in result.stderr
+    assert [path.name for path in Path("deep").iterdir()] == ["ip"]
+
+
+def test_another_package_replaces_the_first() -> None:
+    run("package", "-o", "ip", *SIZE)
+    manifest = json.loads(Path("ip", MANIFEST).read_text())
+    manifest["files"] += ["rtl/gone.v", "../outside.v"]
+    Path("ip", MANIFEST).write_text(json.dumps(manifest))
+    for name in ("ip/rtl/gone.v", "ip/rtl/mine.v", "outside.v"):
+        Path(name).write_text("module gone; endmodule\n")
+    run("package", "-o", "ip", *SIZE, "--interface", "avalon")
+    found = contents(Path("ip"))
+    assert found.pop("rtl/mine.v") and Path("outside.v").exists()
+    assert found == package_files(profile("paper", max_width=40, max_height=32), "avalon")
+
+
+def test_a_foreign_folder_is_left_alone() -> None:
+    Path("mine").mkdir()
+    Path("mine/thesis.tex").write_text("years of work")
+    # a project for Quartus is no package either
+    Path("mine/cornerstream.json").write_text('{"files": []}')
+    before = contents(Path("mine"))
+    result = run("package", "-o", "mine", *SIZE, code=2)
+    assert "mine holds files that are no earlier package; allowed: an empty or a new folder" in result.stderr
+    assert contents(Path("mine")) == before
+    run("package", "-o", "mine", *SIZE, "--force")
+    assert before.items() <= contents(Path("mine")).items()
+    assert Path("mine/cornerstream.core").is_file()
+
+
+def test_nothing_is_half_written(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+    replace, calls = os.replace, 0
+
+    def full(source: Any, target: Any) -> None:
+        nonlocal calls
+        calls += 1
+        if calls > 5:
+            raise OSError(28, "No space left on device")
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", full)
+    result = run("package", "-o", "ip", *SIZE, code=2)
+    assert calls > 5 and "No space left on device" in result.stderr
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--interface", "stream"), "'stream' is not one of 'axi', 'avalon'"),
+        (("--width", "14"), "max_width is 14; allowed: whole numbers from 15"),
+        (("--fit", "printed"), "fit is 'printed', which only the golden model has"),
+        (("-o", "file"), "file is no folder"),
+    ],
+)
+def test_bad_input(options: tuple[str, ...], message: str, folder: Path) -> None:
+    Path("file").touch()
+    result = run("package", "-o", "ip", *SIZE, *options, code=2)
+    assert message in result.stderr
+    assert [path.name for path in folder.iterdir()] == ["file"]
+
+
+@pytest.mark.filterwarnings("ignore::amaranth.hdl.UnusedElaboratable")
+def test_there_is_no_video_out_with_avalon(folder: Path) -> None:
+    options = ("--interface", "avalon", "--video-out")
+    message = run("package", "-o", "ip", *SIZE, *options, code=2).stderr
+    assert "video_out is True; allowed with Avalon edges: False" in message
+    assert list(folder.iterdir()) == []
+    # the core that was refused is missed by Amaranth as soon as it is gone: here, not in some later test
+    gc.collect()

@@ -1,0 +1,204 @@
+"""The example around the core: it lints, it counts corners, and FuseSoC finds its way through it."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from flow.package import MANIFEST, PackageInterface, package_files
+from golden import Parameters, Settings
+from golden.version import VERSION
+from golden.video import VideoModel, VideoSettings, marked
+from sim.compiler import build, run_tool
+from sim.verilog_engine import verilator_root
+
+WIDTH, HEIGHT = 64, 48
+FRAMES = 4
+SIGMA2 = 2.0
+"""What the example sets."""
+INTERFACES: list[PackageInterface] = ["axi", "avalon"]
+VARIANTS: list[tuple[PackageInterface, dict[str, Any]]] = [
+    ("axi", {}),
+    ("axi", {"video_out": True, "pixel_bits": 10, "autostart": True}),
+    ("axi", {"max_width": 15, "max_height": 15, "pixel_bits": 4}),
+    ("avalon", {}),
+    ("avalon", {"max_width": 1000, "max_height": 800, "pixel_bits": 10, "buffering": "lean"}),
+]
+
+
+@cache
+def _package(interface: PackageInterface, changes: tuple[tuple[str, Any], ...]) -> dict[str, str]:
+    return package_files(Parameters(**{"max_width": WIDTH, "max_height": HEIGHT, **dict(changes)}), interface)
+
+
+def package(interface: PackageInterface, **changes: Any) -> dict[str, str]:
+    return _package(interface, tuple(changes.items()))
+
+
+def laid_out(files: dict[str, str], folder: Path) -> Path:
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return folder
+
+
+def verilator_environment() -> dict[str, str]:
+    return {**os.environ, "VERILATOR_ROOT": str(verilator_root())}
+
+
+@pytest.mark.parametrize(("interface", "changes"), VARIANTS)
+def test_lint(interface: PackageInterface, changes: dict[str, Any], tmp_path: Path) -> None:
+    files = package(interface, **changes)
+    laid_out(files, tmp_path)
+    command = "verilator --lint-only -Wall example/lint.vlt rtl/cornerstream.v example/top.v --top-module top"
+    assert command in files["README.md"]
+    _, *arguments = command.split()
+    # the language of old
+    arguments += ["--language", "1364-2001"]
+    done = subprocess.run(
+        [str(verilator_root() / "bin" / "verilator_bin"), *arguments],
+        cwd=tmp_path,
+        env=verilator_environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def squares(frame: int) -> NDArray[np.uint8]:
+    """The test pattern of the example."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    inside = ((x % 32 + 4 * (frame % 8)) % 32 >= 16) & ((y % 32 + 2 * (frame % 16)) % 32 >= 16)
+    return np.where(inside, 192, 64).astype(np.uint8)
+
+
+def expected(parameters: Parameters) -> list[int]:
+    """Corners of each frame, by the golden model."""
+    model = VideoModel(parameters)
+    settings = VideoSettings(WIDTH, HEIGHT, Settings.default(parameters, sigma2=SIGMA2))
+    return [model.feed(marked(squares(frame)), settings)[0].found for frame in range(FRAMES)]
+
+
+def bench(files: dict[str, str]) -> Path:
+    """The program of the package's own test bench."""
+    root = verilator_root()
+
+    def generate(folder: Path) -> list[str]:
+        command = [
+            *(str(root / "bin" / "verilator_bin"), "--cc", "--main", "--timing", "--top-module", "tb"),
+            *("--prefix", "Vtb", "--Mdir", ".", "-O3", "lint.vlt", *sources),
+        ]
+        run_tool(command, "verilator", folder, verilator_environment())
+        runtime = [f"verilated{part}.cpp" for part in ("", "_threads", "_timing")]
+        names = [*sorted(path.name for path in folder.glob("Vtb*.cpp")), *runtime]
+        (folder / "main.cc").write_text("".join(f'#include "{name}"\n' for name in names), encoding="utf-8")
+        return ["main.cc"]
+
+    sources = ["cornerstream.v", "top.v", "tb.v"]
+    return build(
+        {Path(name).name: text for name, text in files.items() if name.startswith(("rtl/", "example/"))},
+        generate,
+        includes=[root / "include", root / "include" / "vltstd"],
+        extra=version("verilator"),
+        # delays are coroutines
+        program=["-std=c++20", "-pthread"],
+        notify=lambda text: None,
+    )
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_the_example_counts_corners(interface: PackageInterface) -> None:
+    program = bench(package(interface))
+    done = subprocess.run([program], capture_output=True, text=True, check=True, timeout=60)
+    counts = [int(found) for found in re.findall(r"^frame \d+: (\d+) corners$", done.stdout, re.MULTILINE)]
+    assert counts == expected(Parameters(max_width=WIDTH, max_height=HEIGHT))
+    assert len(set(counts)) > 1 and min(counts) > 0
+    assert "\nDone.\n" in done.stdout
+
+
+def fusesoc(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """FuseSoC on a package, without any configuration of whoever runs the tests."""
+    home = {
+        name: str(folder / "home") for name in ("HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_CACHE_HOME")
+    }
+    path = os.pathsep.join([str(folder / "bin"), os.environ.get("PATH", "")])
+    command = [str(Path(sys.executable).with_name("fusesoc")), "--cores-root", "ip", *arguments]
+    environment = {**verilator_environment(), **home, "PATH": path}
+    return subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=120
+    )
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    """A folder with a package in ``ip`` and Verilator in ``bin``."""
+    laid_out(package("axi"), tmp_path / "ip")
+    for name in ("bin", "home"):
+        (tmp_path / name).mkdir()
+    # the package's own wrapper wants Perl
+    (tmp_path / "bin" / "verilator").symlink_to(verilator_root() / "bin" / "verilator_bin")
+    return tmp_path
+
+
+def test_fusesoc_knows_the_core(workspace: Path) -> None:
+    done = fusesoc(workspace, "core", "show", "cornerstream")
+    assert done.returncode == 0, done.stderr
+    assert f"::cornerstream:{VERSION}" in done.stdout
+    assert all(
+        re.search(rf"^{target} +:", done.stdout, re.MULTILINE) for target in ("default", "lint", "sim")
+    )
+    assert "WARNING" not in done.stderr + done.stdout
+
+
+@pytest.mark.parametrize(
+    ("target", "files"),
+    [
+        ("lint", ["example/lint.vlt", "example/top.v", "rtl/cornerstream.v"]),
+        ("sim", ["example/lint.vlt", "example/tb.v", "example/top.v", "rtl/cornerstream.v"]),
+    ],
+)
+def test_fusesoc_sets_up_the_targets(target: str, files: list[str], workspace: Path) -> None:
+    done = fusesoc(workspace, "run", "--setup", f"--target={target}", "cornerstream")
+    assert done.returncode == 0, done.stderr
+    work = workspace / "build" / f"cornerstream_{VERSION}" / target
+    (script,) = work.glob("*.vc")
+    names = re.findall(r"src/cornerstream_[\d.]+/(\S+)", script.read_text(encoding="utf-8"))
+    assert sorted(names) == files
+
+
+def test_fusesoc_lints(workspace: Path) -> None:
+    if shutil.which("make") is None:
+        pytest.skip("FuseSoC calls make")
+    done = fusesoc(workspace, "run", "--target=lint", "cornerstream")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(("interface", "changes"), VARIANTS)
+def test_the_package_says_what_is_in_it(interface: PackageInterface, changes: dict[str, Any]) -> None:
+    files = package(interface, **changes)
+    manifest = json.loads(files[MANIFEST])
+    assert manifest["files"] == sorted(files) and manifest["interface"] == interface
+    assert changes.items() <= manifest["parameters"].items()
+    readme = files["README.md"]
+    assert all(f"| `{name}` |" in readme for name in files if name != "README.md")
+    assert f"cornerstream package --interface {interface}\n" in readme
+    for name, text in files.items():
+        assert text.endswith("\n") and not text.endswith("\n\n"), name
+        if not name.startswith("rtl/"):
+            assert [line for line in text.splitlines() if line != line.rstrip() or len(line) > 140] == [], (
+                name
+            )
