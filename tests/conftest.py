@@ -30,3 +30,18 @@ def _photo(request: pytest.FixtureRequest) -> NDArray[np.uint8]:
 def camera() -> NDArray[np.uint8]:
     """The one photograph for tests that need no more, (512, 512) uint8."""
     return photograph("camera")
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """What tests of ``make verify`` tried, which they leave as a property of that name."""
+    lines = [
+        text
+        for reports in terminalreporter.stats.values()
+        for report in reports
+        for name, text in getattr(report, "user_properties", ())
+        if name == "verify" and report.when == "call"
+    ]
+    if lines:
+        terminalreporter.section("verified")
+        for line in sorted(lines):
+            terminalreporter.write_line(line)

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import logging
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import ClockCycles, RisingEdge
+from cocotb.simtime import get_sim_time
+from cocotb.triggers import ClockCycles, First, RisingEdge
 from cocotbext.axi import (
     AxiLiteBus,
     AxiLiteMaster,
@@ -31,6 +32,7 @@ from sim.cocotb_bench import CLOCK_NS
 Dut = Any
 """The top module: what it has as attributes shows at run time only."""
 
+_DOZE = 8
 _STREAM_PAYLOAD = ("data", "user", "last", "keep", "strb", "id", "dest")
 _LITE_PAYLOADS = {
     "aw": ("addr", "prot"),
@@ -72,8 +74,10 @@ class VideoSource:
 
     def __init__(self, dut: Dut, prefix: str = "s_axis", share: float = 0) -> None:
         _quieten(dut, prefix)
-        self.axi = AxiStreamSource(AxiStreamBus.from_prefix(dut, prefix), dut.clk, dut.rst)
+        # one "byte" as wide as a pixel
+        self.axi = AxiStreamSource(AxiStreamBus.from_prefix(dut, prefix), dut.clk, dut.rst, byte_lanes=1)
         _pause(share, self.axi)
+        self._begun: list[tuple[int, bool]] = []
 
     def frame(self, image: NDArray[np.uint8]) -> None:
         """Queues a whole frame, (height, width)."""
@@ -85,8 +89,21 @@ class VideoSource:
         # what is missing of TUSER is as its last
         self.axi.send_nowait(AxiStreamFrame(pixels, tuser=[1, 0] if first else 0))
 
+    def beats(self, beats: Iterable[tuple[int, bool, bool]]) -> None:
+        """Queues pixels marked in any way, ``(pixel, start of frame, end of line)``.
+
+        A packet has its TLAST at its end, so those after the last end of line stay here until more come.
+        """
+        for pixel, sof, eol in beats:
+            self._begun.append((pixel, sof))
+            if eol:
+                pixels, sofs = zip(*self._begun, strict=True)
+                self._begun = []
+                self.axi.send_nowait(AxiStreamFrame(list(pixels), tuser=[int(sof) for sof in sofs]))
+
     def clear(self) -> None:
         """Forgets what is queued; a line that has begun goes on, unless there is a reset."""
+        self._begun = []
         self.axi.clear()
 
     async def done(self) -> None:
@@ -171,41 +188,61 @@ class Watch:
     -------
     beats, stalls
         Clocks so far in which a beat was taken, and in which one was offered but not taken.
+    clock, times
+        Clocks so far; when each beat was taken.
     """
 
     def __init__(self, dut: Dut, prefix: str, payload: Sequence[str]) -> None:
-        self.beats = self.stalls = 0
+        self.stalls = 0
+        self.times: list[int] = []
+        self._start = _clocks()
         self._dut = dut
         self._prefix = prefix
         names = [name for name in payload if hasattr(dut, prefix + name)]
         self._payload = {name: getattr(dut, prefix + name) for name in names}
         cocotb.start_soon(self._run())
 
+    @property
+    def clock(self) -> int:
+        return _clocks() - self._start
+
+    @property
+    def beats(self) -> int:
+        return len(self.times)
+
     async def _run(self) -> None:
         dut, prefix = self._dut, self._prefix
         valid, ready = getattr(dut, f"{prefix}valid"), getattr(dut, f"{prefix}ready")
+        rst, times, start = dut.rst, self.times, self._start
         edge = RisingEdge(dut.clk)
         offered: dict[str, Any] | None = None
         was_reset = False
+        idle = 0
         while True:
             await edge
-            if dut.rst.value:
+            if rst.value:
                 assert not (was_reset and valid.value), f"{prefix}valid is high in reset"
-                was_reset, offered = True, None
+                was_reset, offered, idle = True, None, 0
                 continue
             if valid.value:
                 assert not was_reset, f"{prefix}valid is high in reset"
+                idle = 0
                 if offered is not None:
                     self._compare(offered)
                 if ready.value:
-                    self.beats += 1
+                    times.append(_clocks() - start)
                     offered = None
                 else:
                     self.stalls += 1
                     offered = offered or {name: pin.value for name, pin in self._payload.items()}
             else:
                 assert offered is None, f"{prefix}valid fell before the beat was taken"
+                idle += 1
             was_reset = False
+            if idle > _DOZE:
+                # most channels are idle for long: there is nothing to see then
+                await First(RisingEdge(valid), RisingEdge(rst))
+                idle = 0
 
     def _compare(self, offered: dict[str, Any]) -> None:
         for name, pin in self._payload.items():
@@ -220,14 +257,20 @@ def watch_stream(dut: Dut, prefix: str) -> Watch:
     return Watch(dut, f"{prefix}_t", _STREAM_PAYLOAD)
 
 
-def watch_lite(dut: Dut, prefix: str = "s_axil") -> dict[str, Watch]:
-    """Watches all five channels of an AXI4-Lite bus; by channel: aw, w, b, ar, r."""
-    return {name: Watch(dut, f"{prefix}_{name}", payload) for name, payload in _LITE_PAYLOADS.items()}
+def watch_lite(
+    dut: Dut, prefix: str = "s_axil", channels: Iterable[str] = tuple(_LITE_PAYLOADS)
+) -> dict[str, Watch]:
+    """Watches channels of an AXI4-Lite bus, by name: aw, w, b, ar, r."""
+    return {name: Watch(dut, f"{prefix}_{name}", _LITE_PAYLOADS[name]) for name in channels}
+
+
+def _clocks() -> int:
+    return int(get_sim_time("ns")) // CLOCK_NS
 
 
 def _quieten(dut: Dut, prefix: str) -> None:
-    # the models write each packet into the log, which takes longer than to send it
-    logging.getLogger(f"cocotb.{dut._name}.{prefix}").setLevel(logging.WARNING)
+    # the models write each packet into the log, which takes longer than to send it, and what a reset makes them lose
+    logging.getLogger(f"cocotb.{dut._name}.{prefix}").setLevel(logging.ERROR)
 
 
 def _pause(share: float, *drivers: Any) -> None:

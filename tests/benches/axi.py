@@ -1,0 +1,323 @@
+# amaranth: UnusedElaboratable=no
+# one detector is made for its latency only
+"""The AXI core on its test bench: drivers, rules that are watched, registers by name, what is expected of it.
+
+Each build is tried by several modules; which one this is comes in the environment, as JSON in ``PARAMETERS``.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+from collections.abc import Iterable
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+from cocotb.triggers import ClockCycles
+
+from golden import Parameters, Settings
+from golden.output_constructor import Records
+from golden.preprocessing import Image
+from golden.video import Event, Packet, VideoModel, VideoSettings, marked
+from hdl.detector import Detector
+from hdl.edges.register_map import register_map
+from hdl.edges.video_detector import VideoDetector
+from tests.benches.axi_video import VideoExpectation
+from tests.benches.common import Dut, Registers, Sink, VideoSource, reset, start, watch_lite, watch_stream
+from tests.malformed import Beats, Random, texture
+
+PARAMETERS = "PARAMETERS"
+ROUNDS = int(os.environ.get("ROUNDS", "1"))
+"""How often tests with random parts repeat them."""
+
+
+def environment(parameters: Parameters, **more: Any) -> dict[str, str]:
+    """For ``Bench.run``: what the benches want to know."""
+    return {PARAMETERS: json.dumps(asdict(parameters)), **{name: str(value) for name, value in more.items()}}
+
+
+def draw() -> Random:
+    """NumPy's random numbers, from cocotb's seed."""
+    return np.random.default_rng(random.getrandbits(32))
+
+
+class Bench:
+    """A core with all its drivers, and the golden model beside it.
+
+    Parameters
+    ----------
+    idle, stall
+        Share of clocks in which the source pauses, and each sink; that of video in 0.4 at most.
+    bus
+        Share of clocks in which each channel of the registers' bus pauses.
+    video_stall
+        Of the video sink, if another.
+
+    Members
+    -------
+    model, expected
+        The golden model, and its packets that have not been compared yet.
+    extra
+        Events that the model does not know of, expected in STATUS.
+    input, output, video_output
+        Watches of the streams.
+    """
+
+    def __init__(
+        self,
+        dut: Dut,
+        *,
+        idle: float = 0,
+        stall: float = 0,
+        bus: float = 0,
+        video_stall: float | None = None,
+    ) -> None:
+        self.dut = dut
+        self.parameters = p = Parameters(**json.loads(os.environ[PARAMETERS]))
+        self.map = {register.name: register for register in register_map(p)}
+        self.source = VideoSource(dut, share=idle)
+        self.sinks = [Sink(dut, share=stall)]
+        self.registers = Registers(dut, share=bus)
+        self.input, self.output = watch_stream(dut, "s_axis"), watch_stream(dut, "m_axis")
+        self._watches = [self.input, self.output]
+        if p.video_out:
+            # a beat for each pixel: more would take for ever
+            share = min(stall, 0.4) if video_stall is None else video_stall
+            self.sinks.append(Sink(dut, "m_axis_video", share=share))
+            self._watches.append(watch_stream(dut, "m_axis_video"))
+        self.video_output = self._watches[-1]
+        # the other channels are the master's
+        self.bus_watches = watch_lite(dut, channels=("b", "r"))
+        self.frame_latency = VideoDetector(p).frame_latency
+        self.refinement_latency = Detector(p).refinement_latency
+        self.model = VideoModel(p)
+        self.shown = VideoExpectation(p)
+        self.expected: list[Packet] = []
+        self.extra = Event(0)
+        self.video = VideoSettings(p.max_width, p.max_height, Settings.default(p))
+
+    @property
+    def sink(self) -> Sink:
+        return self.sinks[0]
+
+    async def start(self) -> None:
+        await start(self.dut)
+
+    async def hard_reset(self) -> None:
+        """By the pin, amid whatever is under way; nothing that has not come out yet is expected any more."""
+        self.source.clear()
+        await reset(self.dut, random.randrange(1, 4))
+        self.forget()
+        self.model.events = self.extra = Event(0)
+
+    def forget(self) -> None:
+        """What has been sent will not come out any more, and the next frame is the first; STATUS stays."""
+        self.interrupt()
+        self.shown.reset()
+        for sink in self.sinks:
+            while not sink.axi.empty():
+                sink.axi.recv_nowait()
+
+    async def read(self, name: str) -> int:
+        return await self.registers.read(self.map[name].address)
+
+    async def fields(self, name: str) -> dict[str, int]:
+        value = await self.read(name)
+        return {f.name: (value >> f.low) & ((1 << f.bits) - 1) for f in self.map[name].fields}
+
+    async def write(self, name: str, value: int) -> None:
+        await self.registers.write(self.map[name].address, value)
+
+    async def write_fields(self, name: str, **values: int) -> None:
+        """The fields that are not given become 0."""
+        places = {f.name: f.low for f in self.map[name].fields}
+        await self.write(name, sum(value << places[field] for field, value in values.items()))
+
+    async def hold(self, contents: dict[int, int]) -> None:
+        """AssertionError unless registers hold that, by address."""
+        for address, value in contents.items():
+            got = await self.registers.read(address)
+            assert got == value, f"{address:#04x} holds {got:#x} instead of {value:#x}"
+
+    async def configure(self, video: VideoSettings) -> None:
+        """Sets everything that can be; what was set before needs no second write."""
+        settings = video.settings
+        now = {
+            "SIZE": {"width": video.width, "height": video.height},
+            "SIGMA1": {"sigma1": settings.sigma1_fixed},
+            "SIGMA2": {"sigma2": settings.sigma2_fixed},
+            "CONSTANT": {"constant": settings.constant},
+            "FLOOR": {"floor": settings.floor},
+            "MAX_RECORDS": {"max_records": video.max_records},
+            "CONTROL": {
+                "enable": video.enabled,
+                "ignore_eol": video.ignore_eol,
+                "use_constant": settings.reference == "constant",
+                "report_rejected": settings.report_rejected,
+            },
+        }
+        for name, values in now.items():
+            await self.write_fields(name, **values)
+        self.video = video
+
+    async def enable(self, enabled: bool) -> None:
+        """The other switches stay."""
+        await self.write("CONTROL", await self.read("CONTROL") & ~1 | enabled)
+        self.video = replace(self.video, enabled=enabled)
+
+    async def soft_reset(self, *, wait: bool = True) -> None:
+        """Keeps the other switches, and returns when it is done."""
+        reset_bit = 1 << 1
+        await self.write("CONTROL", await self.read("CONTROL") | reset_bit)
+        while wait and await self.read("CONTROL") & reset_bit:
+            pass
+
+    def image(self, random: Random, width: int | None = None, height: int | None = None) -> Image:
+        """With corners, of the size that is set unless another is given."""
+        image = texture(random, width or self.video.width, height or self.video.height)
+        more = self.parameters.pixel_bits - 8
+        if more <= 0:
+            return image >> -more
+        return (image.astype(np.uint16) << more) + random.integers(0, 1 << more, image.shape, np.uint16)
+
+    def squares(self, random: Random) -> Image:
+        """Bright ones, dark between them: each has its corners."""
+        width, height, top = self.video.width, self.video.height, self.parameters.pixel_max
+        dtype = np.uint16 if self.parameters.pixel_bits > 8 else np.uint8
+        bright = random.integers(top // 2, top, (height // 8 + 1, width // 8 + 1), dtype, endpoint=True)
+        square = np.pad(np.ones((5, 5), dtype), ((1, 2), (2, 1)))
+        return np.kron(bright, square)[:height, :width]
+
+    def send(self, beats: Beats | Image) -> None:
+        """Queues beats or a well-formed frame, and expects what becomes of it with what is set now."""
+        beats = marked(beats) if isinstance(beats, np.ndarray) else beats
+        self.source.beats(beats)
+        self.expect(beats)
+
+    def expect(self, beats: Beats) -> None:
+        """Beats that the source has already."""
+        packets = self.shown.feed(self.model, beats, self.video)
+        self.expected += packets
+
+    async def quiet(self) -> None:
+        """Returns when nothing has moved, nor tried to, for longer than anything takes inside."""
+        clocks = self.frame_latency(self.parameters.max_width) + self.refinement_latency
+        before = -1
+        while (now := sum(watch.beats + watch.stalls for watch in self._watches)) != before:
+            before = now
+            await ClockCycles(self.dut.clk, clocks)
+
+    async def taken(self, beats: int) -> None:
+        """Returns when so many beats have been taken, of all there were."""
+        while self.input.beats < beats:
+            await ClockCycles(self.dut.clk, 1)
+
+    def received(self) -> list[Records]:
+        """Packets that have come out and have not been asked for."""
+        packets = []
+        while not self.sink.axi.empty():
+            frame = self.sink.axi.recv_nowait(compact=False)
+            packets.append(np.array(frame.tdata, np.uint64))
+        return packets
+
+    async def check(self) -> None:
+        """All that was sent has come out, and nothing else; STATUS says exactly what happened, and is cleared."""
+        await self.quiet()
+        self.compare(self.received())
+        if self.parameters.video_out:
+            self.shown.check(self.sinks[1])
+        assert all(sink.empty for sink in self.sinks), "a packet is left that has no end"
+        await self.check_status()
+
+    def interrupt(self, begun: int | None = None) -> list[Packet]:
+        """After a soft reset: what was expected by then, of which only the first part will come; STATUS stays.
+
+        Frames from number ``begun`` on, all of them well-formed, begin after it: they are expected anew.
+        """
+        before, after = self.expected[:begun], self.expected[begun:] if begun is not None else []
+        self.expected = []
+        events = self.model.events
+        self.model.reset()
+        self.model.events = events
+        self.shown.interrupt(begun)
+        for packet in after:
+            self.expect(marked(packet.pixels))
+        return before
+
+    async def check_reset(self, before: list[Packet]) -> tuple[int, bool]:
+        """All that was sent after a soft reset has come out, and before it complete packets, then one cut at most.
+
+        Returns the number of those before, and whether there is a cut one.
+        """
+        await self.quiet()
+        got = self.received()
+        early = len(got) - len(self.expected)
+        assert early >= 0, f"{len(got)} packets; {len(self.expected)} were sent after the reset alone"
+        cut = False
+        for packet, words in zip(before, got[:early], strict=False):
+            assert not cut, "a packet after the one that was cut"
+            cut = not packet.matches(words)
+            assert not cut or interrupted(packet, words), f"{packet.frame}: {[hex(word) for word in words]}"
+        assert early <= len(before), f"{early} packets before the reset instead of {len(before)} at most"
+        self.model.events = Event.FRAME_DONE | (Event.FRAME_CUT if cut else Event(0))
+        self.compare(got[early:])
+        await self.check()
+        return early, cut
+
+    def compare(self, packets: Iterable[Records]) -> None:
+        """AssertionError unless these are the packets that are expected."""
+        packets, expected = list(packets), list(self.expected)
+        self.expected.clear()
+        for k, (packet, words) in enumerate(zip(expected, packets, strict=False)):
+            assert packet.matches(words), (
+                f"packet {k} of {len(expected)}, {'cut' if packet.cut else 'complete'}: "
+                f"{[hex(word) for word in words]} instead of {[hex(word) for word in packet.records]}"
+            )
+        assert len(packets) == len(expected), f"{len(packets)} packets instead of {len(expected)}"
+
+    async def check_status(self) -> None:
+        """As in :meth:`check`."""
+        await self.check_events(self.model.events | self.extra)
+        self.model.events = self.extra = Event(0)
+
+    async def check_events(self, expected: Event) -> None:
+        """STATUS holds exactly these; it is cleared, and the interrupt follows."""
+        status = Event(await self.read("STATUS"))
+        assert status == expected, f"STATUS is {status!r} instead of {expected!r}"
+        enabled = await self.read("IRQ_ENABLE")
+        assert bool(self.irq) == bool(status & enabled), f"irq {self.irq}, STATUS {status!r}, {enabled:#x}"
+        await self.write("STATUS", int(status))
+        left = await self.read("STATUS")
+        assert left == 0, f"STATUS is {left:#x} after it was cleared"
+        assert not self.irq, "irq stays after STATUS was cleared"
+
+    @property
+    def irq(self) -> int:
+        return int(self.dut.irq.value)
+
+    async def check_results(self, packet: Packet) -> None:
+        """Registers of the last complete frame."""
+        words = packet.records
+        corners = len(words) - 1
+        expected = {
+            "FRAMES": (packet.frame + 1) % (1 << 16),
+            "CORNERS": packet.found,
+            "DROPPED": packet.found - corners,
+            "MAXIMUM": int(words[-1]) >> 40 & ((1 << 21) - 1),
+        }
+        for name, value in expected.items():
+            got = await self.read(name)
+            assert got == value, f"{name} is {got} instead of {value}"
+
+
+async def usual(bench: Bench, width: int = 31, height: int = 23, **changes: int) -> None:
+    """A small frame, and thresholds that let many corners pass."""
+    settings = Settings.default(bench.parameters, sigma1=0.01, sigma2=8.0, report_rejected=True)
+    await bench.configure(VideoSettings(width, height, settings, **changes))
+
+
+def interrupted(packet: Packet, words: Records) -> bool:
+    """May these be what came out of a frame that a reset cut somewhere?"""
+    return replace(packet, cut=True, records=packet.records[:-1]).matches(words)

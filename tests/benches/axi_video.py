@@ -1,0 +1,145 @@
+"""What comes out at the core's optional video output: pixels as they went in, with a mark where a corner is.
+
+Corners are computed here from the golden model's blocks, not from its records: those are refined, and tell the
+whole pixel no more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from golden import Parameters
+from golden.corner_detection import corner_detection
+from golden.detector import RESPONSE_MARGIN, response_map
+from golden.output_constructor import decode_frame_end
+from golden.parameters import MARGIN, WINDOW_SIZE
+from golden.preprocessing import Image
+from golden.texture_filter import texture_filter
+from golden.thresholds import Thresholds, choose_reference, thresholds
+from golden.video import Packet, VideoModel, VideoSettings
+from tests.benches.common import Sink
+from tests.malformed import Beats
+
+_SOF, _CORNER = 1, 2
+
+
+def accepted(image: Image, limits: Thresholds, parameters: Parameters) -> NDArray[np.bool_]:
+    """Where a whole pixel is a corner that the texture filter lets pass."""
+    responses = response_map(image, parameters)
+    inner = MARGIN - RESPONSE_MARGIN
+    corners = corner_detection(responses, limits.t1, parameters.ties)[inner - 1 :, inner - 1 :]
+    plain = texture_filter(
+        sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE)), limits.t2, parameters.patches
+    )
+    result = np.zeros(image.shape, bool)
+    result[MARGIN:-MARGIN, MARGIN:-MARGIN] = corners[: plain.shape[0], : plain.shape[1]] & plain
+    return result
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A frame at the output: beats ``(pixel, TUSER, TLAST)``. Of a cut one, some number of the first of them."""
+
+    beats: NDArray[np.int64]
+    cut: bool
+
+    def matches(self, beats: NDArray[np.int64]) -> bool:
+        if not self.cut:
+            return np.array_equal(beats, self.beats)
+        return np.array_equal(beats, self.beats[: len(beats)])
+
+
+class VideoExpectation:
+    """Follows the golden model, and knows what is shown of each of its frames.
+
+    Members
+    -------
+    pieces
+        Cut frames of which something was shown, by the last check.
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        self.pieces = 0
+        self.reset()
+
+    def reset(self) -> None:
+        self.expected: list[Shown] = []
+        self._maximum: int | None = None
+        self._begun: VideoSettings | None = None
+
+    def interrupt(self, begun: int | None = None) -> None:
+        """A soft reset: of the frames begun by now any part may be missing, and the next frame is the first."""
+        before = [replace(shown, cut=True) for shown in self.expected[:begun]]
+        self.reset()
+        self.expected = before
+
+    def feed(self, model: VideoModel, beats: Beats, video: VideoSettings) -> list[Packet]:
+        """Feeds the model; its packets."""
+        if not model.active:
+            self._begun = None
+        packets = model.feed(beats, video)
+        for packet in packets if self._parameters.video_out else ():
+            self.expected.append(self._shown(packet, self._begun or video))
+            if not packet.cut:
+                self._maximum = decode_frame_end(int(packet.records[-1])).maximum
+            self._begun = None
+        if model.active and self._begun is None:
+            self._begun = video
+        return packets
+
+    def _shown(self, packet: Packet, video: VideoSettings) -> Shown:
+        pixels = packet.pixels.reshape(-1)
+        image = np.zeros(video.width * video.height, pixels.dtype)
+        image[: len(pixels)] = pixels
+        limits = thresholds(video.settings, choose_reference(video.settings, self._maximum), self._parameters)
+        corners = accepted(image.reshape(video.height, video.width), limits, self._parameters).reshape(-1)
+        place = np.arange(len(image))
+        user = _SOF * (place == 0) + _CORNER * corners
+        last = place % video.width == video.width - 1
+        return Shown(np.stack([image, user, last], axis=1).astype(np.int64)[: len(pixels)], packet.cut)
+
+    def check(self, sink: Sink) -> None:
+        """AssertionError unless all that is expected has come, and nothing else."""
+        frames = received(sink)
+        self.pieces = len(frames) - sum(not shown.cut for shown in self.expected)
+        for k, shown in enumerate(self.expected):
+            if shown.cut and not (frames and shown.matches(frames[0])):
+                # cut before anything of it was shown
+                continue
+            assert frames, f"video out: frame {k} of {len(self.expected)} is missing"
+            frame = frames.pop(0)
+            assert shown.matches(frame), (
+                f"video out: frame {k} of {len(self.expected)}: {_differ(frame, shown)}"
+            )
+        assert not frames, f"video out: {len(frames)} frames too many"
+        self.expected.clear()
+
+
+def received(sink: Sink) -> list[NDArray[np.int64]]:
+    """Beats that have come out, frame by frame: whatever comes before the next start of frame."""
+    beats: list[tuple[int, int, bool]] = []
+    while not sink.axi.empty():
+        line = sink.axi.recv_nowait(compact=False)
+        last = len(line.tdata) - 1
+        beats += [
+            (pixel, user, k == last)
+            for k, (pixel, user) in enumerate(zip(line.tdata, line.tuser, strict=True))
+        ]
+    everything = np.array(beats, np.int64).reshape(-1, 3)
+    starts = np.flatnonzero(everything[:, 1] & _SOF)
+    assert not len(beats) or (len(starts) and starts[0] == 0), "video out: pixels without a start of frame"
+    return np.split(everything, starts[1:]) if len(beats) else []
+
+
+def _differ(frame: NDArray[np.int64], shown: Shown) -> str:
+    common = min(len(frame), len(shown.beats))
+    places = np.flatnonzero((frame[:common] != shown.beats[:common]).any(axis=1))
+    if not len(places):
+        return f"{len(frame)} beats instead of {len(shown.beats)}"
+    first = places[0]
+    return f"{len(places)} beats differ, first {first}: {frame[first]} instead of {shown.beats[first]}"

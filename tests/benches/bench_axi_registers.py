@@ -1,0 +1,211 @@
+"""The registers of the AXI core by themselves: addresses, what is in them after reset, bytes, refusals, interrupts.
+
+Addresses and contents are written out here, not taken from the map, so that a change of it must be made twice.
+"""
+
+from __future__ import annotations
+
+import random
+
+import cocotb
+from cocotb.triggers import ClockCycles
+from cocotbext.axi import AxiResp
+
+from golden.version import VERSION
+from golden.video import Event
+from tests.benches.axi import ROUNDS, Bench, draw, usual
+from tests.benches.common import Dut
+
+ALL = 0xFFFF_FFFF
+EVENTS = (1 << 13) - 1
+READ_ONLY = (0x00, 0x04, 0x08, 0x0C, 0x40, 0x44, 0x48, 0x4C, 0x50)
+WRITABLE = {
+    0x10: 0b11101,  # CONTROL without RESET
+    0x18: EVENTS,
+    0x20: 0xFFFF,
+    0x24: 0xF_FFFF,
+    0x30: 0xFF_FFFF,
+    0x34: 0xFF_FFFF,
+}
+"""Which bits keep what is written to them, where all values are allowed; CONSTANT and FLOOR depend on the build."""
+STATUS, SIZE, CONTROL, IRQ_ENABLE, TIMEOUT = 0x14, 0x1C, 0x10, 0x18, 0x34
+
+
+def writable(bench: Bench) -> dict[int, int]:
+    response = (1 << bench.parameters.response_bits) - 1
+    return {**WRITABLE, 0x28: response, 0x2C: response}
+
+
+def reset_values(bench: Bench) -> dict[int, int]:
+    p = bench.parameters
+    unit = 1 << (2 * p.pixel_bits + 1)
+    built = (p.gradient == "signed", p.ties == "first", p.fit == "six", p.patches == "pixels")
+    profiles = {(False, False, False, False): 1, (True, True, False, False): 2}
+    flags = (*built, p.buffering == "lean", p.video_out)
+    return {
+        0x00: 0x434F_524E,
+        0x04: sum(int(part) << 8 * k for k, part in enumerate(reversed(VERSION.split(".")))),
+        0x08: 1
+        | p.pixel_bits << 4
+        | sum(flag << (8 + k) for k, flag in enumerate(flags))
+        | profiles.get(built, 0) << 16,
+        0x0C: p.max_height << 16 | p.max_width,
+        CONTROL: int(p.autostart),
+        STATUS: 0,
+        IRQ_ENABLE: 0,
+        SIZE: p.max_height << 16 | p.max_width,
+        0x20: 3277,  # 0.05
+        0x24: 32768,  # 0.5
+        0x28: unit // 16,
+        0x2C: unit // 128,
+        0x30: 0xFF_FFFF,
+        TIMEOUT: 0xFF_FFFF,
+        **dict.fromkeys((0x40, 0x44, 0x48, 0x4C, 0x50), 0),
+    }
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(bus=[0.0, 0.5])
+async def after_reset(dut: Dut, bus: float) -> None:
+    """Every word of the address space reads its reset value or is refused; read-only words refuse writes."""
+    bench = Bench(dut, bus=bus)
+    await bench.start()
+    values = reset_values(bench)
+    assert sorted(values) == [register.address for register in bench.map.values()]
+    for address in range(0, 256, 4):
+        if address in values:
+            await bench.hold({address: values[address]})
+        else:
+            assert await bench.registers.read(address, expect=AxiResp.SLVERR) == 0
+            await bench.registers.write(address, ALL, expect=AxiResp.SLVERR)
+    for address in READ_ONLY:
+        for value in (0, ALL, random.getrandbits(32)):
+            await bench.registers.write(address, value, expect=AxiResp.SLVERR)
+            await bench.hold({address: values[address]})
+    await bench.hold(values)
+    assert not bench.irq
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(bus=[0.0, 0.5])
+async def bytes_of_registers(dut: Dut, bus: float) -> None:
+    """Any bytes of any register that can be written, alone or several at once; the others stay."""
+    bench = Bench(dut, bus=bus)
+    await bench.start()
+    contents = reset_values(bench)
+    masks = writable(bench)
+    refused = False
+    for _ in range(100 * ROUNDS):
+        address = random.choice([SIZE, *masks])
+        low = random.randrange(4)
+        count = random.randrange(1, 5 - low)
+        data = random.randbytes(count)
+        lanes = ((1 << (8 * count)) - 1) << (8 * low)
+        value = (contents[address] & ~lanes) | int.from_bytes(data, "little") << (8 * low)
+        if address == CONTROL:
+            # not the reset
+            data = bytes(byte & ~(2 if low + k == 0 else 0) for k, byte in enumerate(data))
+        if address == SIZE:
+            p = bench.parameters
+            size = random.randrange(15, p.max_height + 1) << 16 | random.randrange(15, p.max_width + 1)
+            data = size.to_bytes(4, "little")[low : low + count]
+            # of a part nobody can tell whether it is in range
+            value = size if count == 4 else contents[address]
+            refused |= count < 4
+        else:
+            value &= masks[address]
+        answer = await bench.registers.axi.write(address + low, data)
+        assert answer.resp == AxiResp.OKAY
+        contents[address] = value
+        await bench.hold({address: value})
+    assert refused
+    await bench.hold({**contents, STATUS: int(Event.SIZE_REFUSED)})
+    # several registers in one go: CONSTANT to TIMEOUT
+    words = [random.getrandbits(32) & masks[address] for address in (0x28, 0x2C, 0x30, 0x34)]
+    answer = await bench.registers.axi.write(0x28, b"".join(word.to_bytes(4, "little") for word in words))
+    assert answer.resp == AxiResp.OKAY
+    await bench.hold(dict(zip((0x28, 0x2C, 0x30, 0x34), words, strict=True)))
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def size_refused(dut: Dut) -> None:
+    """Out of range in either half: nothing changes, and a bit of STATUS says so."""
+    bench = Bench(dut)
+    await bench.start()
+    p = bench.parameters
+    good = (p.max_height - 1) << 16 | 16
+    await bench.registers.write(SIZE, good)
+    await bench.check_events(Event(0))
+    bad = [(14, 15), (15, 14), (p.max_width + 1, 15), (15, p.max_height + 1)]
+    bad += [(0, 0), (65535, 65535), (0, 20), (20, 0), (15 + 256, 15), (15, 15 + 1024), (32768, 15)]
+    for width, height in bad:
+        await bench.registers.write(SIZE, height << 16 | width)
+        await bench.hold({SIZE: good})
+        await bench.check_events(Event.SIZE_REFUSED)
+    for width, height in ((15, 15), (p.max_width, p.max_height)):
+        await bench.registers.write(SIZE, height << 16 | width)
+        await bench.hold({SIZE: height << 16 | width})
+        await bench.check_events(Event(0))
+
+
+@cocotb.test(timeout_time=3, timeout_unit="ms")
+async def interrupts(dut: Dut) -> None:
+    """High exactly while a bit is set that is enabled: each bit enabled by itself, with several of them set."""
+    bench = Bench(dut, idle=0.1)
+    await bench.start()
+    await usual(bench)
+    for _ in range(ROUNDS):
+        image = bench.squares(draw())
+        beats = [(int(pixel), k == 0, k % 31 == 30) for k, pixel in enumerate(image.ravel())]
+        # a long line; a frame, and another cut by the end of a line; pixels that belong to none
+        bench.send([*beats[:30], (1, False, False), (2, False, True), *beats[31:]])
+        bench.send([*beats[:20], (0, False, True)])
+        bench.send(image)
+        bench.send([(0, False, True)])
+        await bench.registers.write(SIZE, 0)
+        await bench.quiet()
+        happened = Event.FRAME_DONE | Event.FRAME_CUT | Event.SOF_LATE | Event.EOL_EARLY | Event.EOL_LATE
+        happened |= Event.SIZE_REFUSED
+        assert bench.model.events == happened ^ Event.SIZE_REFUSED
+        left = happened
+        for event in Event:
+            await bench.registers.write(IRQ_ENABLE, int(event))
+            await ClockCycles(dut.clk, 2)
+            assert bench.irq == bool(left & event), event
+            # others being cleared does not matter
+            await bench.registers.write(STATUS, EVENTS & ~int(event) & ~int(left))
+            assert bench.irq == bool(left & event), event
+            await bench.registers.write(STATUS, int(event))
+            left &= ~event
+            assert await bench.registers.read(STATUS) == int(left)
+            assert not bench.irq
+            await bench.registers.write(IRQ_ENABLE, EVENTS)
+            await ClockCycles(dut.clk, 2)
+            assert bench.irq == bool(left)
+        await bench.registers.write(IRQ_ENABLE, 0)
+        bench.model.events = Event(0)
+        await bench.check()
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def status_is_cleared_by_bytes(dut: Dut) -> None:
+    """Ones clear, zeros do not, and only in bytes that are written."""
+    bench = Bench(dut)
+    await bench.start()
+    await usual(bench, max_records=0)
+    bench.send(bench.squares(draw()))
+    await bench.registers.write(SIZE, 0)
+    await bench.quiet()
+    both = int(Event.FRAME_DONE | Event.RECORDS_DROPPED | Event.SIZE_REFUSED)
+    await bench.hold({STATUS: both})
+    await bench.registers.write(STATUS, 0)
+    await bench.registers.write(STATUS, ALL & ~both)
+    await bench.hold({STATUS: both})
+    await bench.registers.axi.write(STATUS, b"\xff")
+    await bench.hold({STATUS: both & ~0xFF})
+    await bench.registers.axi.write(STATUS + 2, b"\xff\xff")
+    await bench.hold({STATUS: both & ~0xFF})
+    await bench.registers.axi.write(STATUS + 1, bytes([1]))
+    await bench.hold({STATUS: int(Event.SIZE_REFUSED)})
+    bench.model.events, bench.extra = Event(0), Event.SIZE_REFUSED
+    await bench.check()

@@ -1,0 +1,120 @@
+"""The optional video output: pixels as they went in, corners marked, at full rate, held up or not.
+
+All other benches compare it too (``Bench.check``); here is what concerns it alone.
+"""
+
+from __future__ import annotations
+
+import cocotb
+import numpy as np
+from cocotb.triggers import ClockCycles
+
+from golden import Settings, decode
+from golden.video import Event, VideoSettings
+from tests import malformed
+from tests.benches.axi import ROUNDS, Bench, draw
+from tests.benches.common import Dut
+from tests.malformed import Random, marked
+
+
+async def configure(bench: Bench, random_: Random, width: int, height: int, **changes: int) -> None:
+    settings = Settings.default(bench.parameters, sigma1=0.02, sigma2=1.0, report_rejected=True)
+    await bench.configure(VideoSettings(width, height, settings, **changes))
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def corners_are_marked(dut: Dut) -> None:
+    """Those that the texture filter lets pass, whether or not they are reported, and no other."""
+    bench, random_ = Bench(dut), draw()
+    await bench.start()
+    p = bench.parameters
+    for most in (0xFF_FFFF, 0):
+        await configure(bench, random_, p.max_width, p.max_height, max_records=0xFF_FFFF)
+        images = [bench.image(random_), *(bench.squares(random_) for _ in range(1 + ROUNDS))]
+        for image in images:
+            bench.send(image)
+        records = np.concatenate([packet.records for packet in bench.expected])
+        accepted = int(decode(records).accepted.sum())
+        marks = sum(int((shown.beats[:, 1] >> 1).sum()) for shown in bench.shown.expected)
+        assert 0 < accepted == marks < len(decode(records))
+        await bench.check()
+        await configure(bench, random_, p.max_width, p.max_height, max_records=most)
+        bench.send(images[0])
+        await bench.check()
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def full_rate(dut: Dut) -> None:
+    """At the built maximum, where what is held back is largest: W·H clocks per frame, in and out."""
+    bench, random_ = Bench(dut), draw()
+    await bench.start()
+    p = bench.parameters
+    await configure(bench, random_, p.max_width, p.max_height)
+    for _ in range(4):
+        bench.send(bench.image(random_))
+    await bench.check()
+    pixels = p.max_width * p.max_height
+    assert np.diff(bench.input.times[::pixels]).tolist() == [pixels] * 3
+    # of the very first frame some pixels come out at once, because nothing marks them
+    assert np.diff(bench.video_output.times[::pixels][1:]).tolist() == [pixels] * 2
+    assert not bench.input.stalls
+    assert await bench.read("CLOCKS") == pixels
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+@cocotb.parametrize(idle=[0.0, 0.5], stall=[0.0, 0.9], video_stall=[0.0, 0.6])
+async def three_streams(dut: Dut, idle: float, stall: float, video_stall: float) -> None:
+    """Each with pauses or not: nothing hangs, nothing is lost."""
+    bench, random_ = Bench(dut, idle=idle, stall=stall, video_stall=video_stall), draw()
+    await bench.start()
+    p = bench.parameters
+    for width, height in ((15, 15), (p.max_width, 17), (21, p.max_height)):
+        await configure(bench, random_, width, height)
+        for _ in range(1 + ROUNDS):
+            bench.send(bench.image(random_))
+        await bench.check()
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def one_output_stalled(dut: Dut) -> None:
+    """For ever, as it seems, and the other is not; then both are exact."""
+    bench, random_ = Bench(dut), draw()
+    await bench.start()
+    p = bench.parameters
+    for sink in (*bench.sinks, *bench.sinks):
+        await configure(bench, random_, p.max_width, 20)
+        sink.axi.pause = True
+        for _ in range(40):
+            bench.send(bench.image(random_))
+        before = -1
+        while bench.input.beats != before:
+            before = bench.input.beats
+            await ClockCycles(dut.clk, 600)
+        assert not bench.source.axi.empty(), "never held up"
+        sink.axi.pause = False
+        await bench.check()
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+@cocotb.parametrize(stall=[0.0, 0.3])
+async def malformed_video(dut: Dut, stall: float) -> None:
+    """What has come of a cut frame is shown up to some pixel, and the next frame whole."""
+    bench, random_ = Bench(dut, idle=stall, stall=stall), draw()
+    await bench.start()
+    p = bench.parameters
+    pieces = 0
+    await configure(bench, random_, p.max_width - 1, p.max_height)
+    for fault in (malformed.early_sof, malformed.short_line, malformed.long_line, malformed.no_eol):
+        for _ in range(ROUNDS):
+            bench.send(bench.image(random_))
+            bench.send(fault(marked(bench.image(random_)), bench.video.width, random_))
+            bench.send(bench.image(random_))
+            await bench.check()
+            pieces += bench.shown.pieces
+    bench.send(bench.image(random_))
+    bench.send(marked(bench.image(random_))[:-1])
+    bench.send(bench.image(random_))
+    assert bench.model.events == Event.FRAME_DONE | Event.FRAME_CUT | Event.SOF_EARLY
+    await bench.check()
+    assert bench.shown.pieces == 1
+    print(f"{pieces} pieces")

@@ -1,0 +1,170 @@
+"""Frames as a model has them: where in one a pixel is, and what the frame guard must make of any video."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Assert, Cat, Module, Mux, Signal, Value
+
+from golden.parameters import Parameters
+from tests.formal.design import Insides
+from tests.formal.properties import Scoreboard, invariant, moves, within
+
+PARAMETERS = Parameters()
+LARGEST = {"x": PARAMETERS.max_width, "y": PARAMETERS.max_height}
+LEAST = {"x": 3, "y": 2}
+"""The guard works from these sizes on, so that is what is proven: 15x15 and more are among them."""
+
+
+def allowed(x: Value, y: Value) -> Value:
+    """The size is in range."""
+    sizes = {"x": x, "y": y}
+    return Cat((size >= LEAST[a]) & (size <= LARGEST[a]) for a, size in sizes.items()).all()
+
+
+class Place:
+    """Where in its frame the next pixel is. After the last pixel it is the first again."""
+
+    def __init__(self, m: Module, name: str, width: Value, height: Value, step: Value) -> None:
+        self.x, self.y = Signal(16, name=f"{name}_x"), Signal(16, name=f"{name}_y")
+        self.first = (self.x == 0) & (self.y == 0)
+        self.eol, self.last_row = self.x + 1 == width, self.y + 1 == height
+        self.next_x = Mux(self.eol, 0, self.x + 1)[:16]
+        self.next_y = Mux(self.eol, Mux(self.last_row, 0, self.y + 1), self.y)[:16]
+        with m.If(step):
+            m.d.sync += [self.x.eq(self.next_x), self.y.eq(self.next_y)]
+
+
+def counts(m: Module, inside: Insides, place: Place, width: Value, height: Value) -> None:
+    """The guard's own counters say the same, but for x while a line is too long."""
+    x, surplus = inside["x"], inside["surplus"]
+    invariant(m, (place.x < width) & (place.y < height), "a pixel is out of range")
+    invariant(m, (inside["last_but_one_x"] == width - 2) & (inside["last_but_one_y"] == height - 2), "size")
+    invariant(m, (inside["y"] == place.y) & (inside["last_row"] == place.last_row), "y differs")
+    invariant(m, (x < width) & (inside["row_end"] == (x + 1 == width)), "row_end differs")
+    invariant(m, Mux(surplus, place.x == 0, x == place.x), "x differs")
+
+
+def restarted_since_cut(m: Module, guard: Any) -> Signal:
+    """High from a restart on, up to the ``resume`` that answers it."""
+    restarted = Signal()
+    with m.If(guard.restart):
+        m.d.sync += restarted.eq(1)
+    with m.Elif(guard.resume):
+        m.d.sync += restarted.eq(0)
+    return restarted
+
+
+def claim(m: Module, holds: Any, message: str, known: bool) -> None:
+    """Assert a promise, or as an invariant one that is proven elsewhere."""
+    if known:
+        invariant(m, holds, message)
+    else:
+        m.d.comb += Assert(holds, message)
+
+
+def guard_model(m: Module, dut: Any, inside: Insides, restarted: Signal, *, known: bool = False) -> Place:
+    """Assert what becomes of each beat, as ``golden.video`` has it; returns the place of the next pixel.
+
+    ``known``: it is proven elsewhere, and only helps the proof of something else.
+    """
+    i = dut.i
+    sof, eol = i.payload.sof, i.payload.eol
+    active, surplus, ignore = Signal(), Signal(), Signal()
+    width, height = Signal(16), Signal(16)
+    beat, passes = moves(i), Signal()
+    place = Place(m, "taken", Mux(active, width, dut.width), Mux(active, height, dut.height), passes)
+    starts = ~active & sof & dut.enable
+    within_line = active & ~sof & ~surplus
+    short = within_line & eol & ~place.eol & ~ignore
+    late = within_line & ~eol & place.eol & ~ignore
+    cut = (i.valid & active & sof & ~dut.restart) | (beat & short)
+    complete = passes & place.eol & place.last_row
+    m.d.comb += passes.eq(beat & (starts | (within_line & ~short)))
+    with m.If(beat & starts):
+        m.d.sync += [
+            active.eq(1),
+            surplus.eq(0),
+            width.eq(dut.width),
+            height.eq(dut.height),
+            ignore.eq(dut.ignore_eol),
+        ]
+    with m.If(beat & active & (surplus | late)):
+        m.d.sync += surplus.eq(~eol)
+    with m.If(complete | cut):
+        m.d.sync += [active.eq(0), surplus.eq(0)]
+    was_to_cut, was_cut = Signal(), Signal()
+    m.d.sync += [was_to_cut.eq(cut), was_cut.eq(dut.cut)]
+
+    for holds, message in (
+        (dut.taken == passes, "taken: wrong"),
+        (dut.done == complete, "done: wrong"),
+        (dut.active == active, "active: wrong"),
+        (was_cut | restarted | (dut.cut == was_to_cut), "cut: wrong"),
+    ):
+        claim(m, holds, message, known)
+    if not known:
+        _passes_on(m, dut, passes, Cat(i.payload.pixel, starts, place.eol))
+        events = dut.events
+        m.d.comb += [
+            Assert(dut.restart | (events.sof_early == (i.valid & active & sof)), "sof_early: wrong"),
+            Assert(events.eol_early == (beat & short), "eol_early: wrong"),
+            Assert(events.eol_late == (beat & late), "eol_late: wrong"),
+        ]
+
+    invariant(m, ~(active & dut.cut), "a cut frame goes on")
+    with m.If(active):
+        invariant(m, allowed(width, height) & ~place.first, "no such size or place")
+        invariant(m, (dut.frame_width == width) & (dut.frame_height == height), "another size")
+        invariant(m, (inside["surplus"] == surplus) & (inside["ignore_eol"] == ignore), "marks differ")
+        counts(m, inside, place, width, height)
+    with m.Elif(~dut.cut):
+        invariant(m, place.first, "no frame is under way, but its place")
+    return place
+
+
+def _passes_on(m: Module, dut: Any, passes: Value, given: Value) -> None:
+    """What passes comes out, once and at once."""
+    board = Scoreboard(
+        m,
+        "i to o",
+        enters=passes,
+        given=given,
+        leaves=moves(dut.o),
+        found=dut.o.payload,
+        capacity=1,
+    )
+    board.leaves_within(1, dut.o.ready)
+    going = dut.i.valid & ~dut.cut & ~dut.restart & dut.o.ready
+    name = "i: a beat is neither taken nor the cut of a frame"
+    within(m, 2, during=going, happens=dut.i.ready, name=name)
+    invariant(m, board.inside == dut.o.valid, "what is at the output is not what went in")
+    with m.If(board.following):
+        invariant(m, Value.cast(dut.o.payload) == board.value, "another beat is at the output")
+
+
+def receiver(m: Module, dut: Any, taken: Place, *, known: bool = False) -> Place:
+    """Assert what the detector sees, which knows nothing of the input: whole frames of one size."""
+    o = dut.o
+    place = Place(m, "sent", dut.frame_width, dut.frame_height, moves(o))
+    width, height = Signal(16), Signal(16)
+    with m.If(moves(o) & o.payload.sof):
+        m.d.sync += [width.eq(dut.frame_width), height.eq(dut.frame_height)]
+    same = (dut.frame_width == width) & (dut.frame_height == height)
+    with m.If(o.valid):
+        for holds, message in (
+            (o.payload.sof == place.first, "o: a frame does not begin where the one before ends"),
+            (o.payload.eol == place.eol, "o: a line is too short or too long"),
+            (o.payload.sof | same, "o: the size changes in a frame"),
+        ):
+            claim(m, holds, message, known)
+    invariant(m, place.first | same, "the size changes between pixels")
+    invariant(m, place.first | allowed(width, height), "the size is out of range")
+    invariant(m, ~o.valid | allowed(dut.frame_width, dut.frame_height), "so is that of the next pixel")
+    invariant(
+        m,
+        (Mux(o.valid, place.next_x, place.x) == taken.x) & (Mux(o.valid, place.next_y, place.y) == taken.y),
+        "places differ",
+    )
+    invariant(m, (place.x < dut.frame_width) & (place.y < dut.frame_height), "out of the frame")
+    return place

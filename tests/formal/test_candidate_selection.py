@@ -1,0 +1,149 @@
+# amaranth: UnusedElaboratable=no
+"""Candidate selection: notes and candidates stay in step, and the queues never overflow, whoever waits for whom."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from amaranth.hdl import Assert, Assume, Cat, Cover, Elaboratable, Module, Mux, Signal
+
+import hdl.candidate_selection
+from golden.parameters import MARGIN, Parameters
+from hdl.candidate_selection import INSIDE
+from hdl.queue import ROOM
+from tests.formal.claims import Case, Claim, Fault, cases
+from tests.formal.design import Insides, variant
+from tests.formal.properties import (
+    Scoreboard,
+    accepts_within,
+    assume_stable,
+    free,
+    invariant,
+    moves,
+    stable,
+)
+from tests.formal.queues import queue_holds
+
+DEFAULT = Parameters(pixel_bits=4, queue_depth=8)
+"""Narrow responses, and the shortest queues that can be built."""
+SHORT = copy.copy(DEFAULT)
+"""Still shorter ones, which are soon full."""
+object.__setattr__(SHORT, "queue_depth", ROOM)
+
+
+class SelectionChecker(Elaboratable):
+    """The blocks before offer all of a centre in one clock, and none in the clock after a frame's last."""
+
+    def __init__(self, design: Any) -> None:
+        self._design = design
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        design = self._design
+        parameters = DEFAULT if design.INSIDE == INSIDE else SHORT
+        m.submodules.dut = dut = design.CandidateSelection(parameters)
+        inside = Insides(dut)
+        candidates, notes = Insides(inside["candidates"]), Insides(inside["notes"])
+        free(m, dut)
+        centre, texture = dut.corners.payload, dut.textures.payload
+        after_end = Signal()
+        m.d.sync += after_end.eq(moves(dut.corners) & centre.eof)
+        for name in ("corners", "textures", "surfaces"):
+            port = getattr(dut, name)
+            assume_stable(m, port, name)
+            m.d.comb += [
+                Assume(port.valid == dut.corners.valid),
+                Assert(port.ready == dut.corners.ready, f"{name}: not ready when the others are"),
+            ]
+        m.d.comb += [Assume(~(after_end & dut.corners.valid)), Assume(~centre.eof | centre.eol)]
+        for name in ("candidate", "note"):
+            stable(m, getattr(dut, name), name)
+
+        x, y = (Signal(design.PIXEL_COORDINATE_BITS, name=axis, init=MARGIN) for axis in ("x", "y"))
+        with m.If(moves(dut.corners)):
+            m.d.sync += x.eq(Mux(centre.eol, MARGIN, x + 1))
+            with m.If(centre.eol):
+                m.d.sync += y.eq(Mux(centre.eof, MARGIN, y + 1))
+        picked = moves(dut.corners) & centre.data.corner & texture.data.keep
+        chosen = Scoreboard(
+            m,
+            "candidate",
+            enters=picked,
+            given=dut.surfaces.payload,
+            leaves=moves(dut.candidate),
+            found=dut.candidate.payload,
+            capacity=parameters.queue_depth,
+        )
+        # of an end's note nothing but the mark counts
+        place = Cat(x, y, centre.data.response, texture.data.textured)
+        note = dut.note.payload
+        said = Cat(note.x, note.y, note.response, note.textured)
+        noted = Scoreboard(
+            m,
+            "note",
+            enters=picked | after_end,
+            given=Cat(Mux(after_end, 0, place), after_end),
+            leaves=moves(dut.note),
+            found=Cat(Mux(note.end, 0, said), note.end),
+            capacity=parameters.queue_depth + design.INSIDE + 1,
+        )
+        for board, port in ((chosen, dut.candidate), (noted, dut.note)):
+            board.leaves_within(2, port.ready)
+        ready = dut.candidate.ready & dut.note.ready
+        overdue = accepts_within(m, 5, dut.corners, during=ready, name="corners")
+        m.d.comb += Cover(moves(dut.note) & note.end & dut.candidate.valid, "an end overtakes a candidate")
+
+        def mark_only(kept: Any) -> Any:
+            return Cat(Mux(kept[-1], 0, kept[:-1]), kept[-1])
+
+        for name, here in (("x", x), ("y", y), ("ending", after_end)):
+            invariant(m, inside[name] == here, f"{name} differs")
+        queue_holds(m, inside["candidates"], candidates, chosen, parameters.queue_depth)
+        depth = parameters.queue_depth + design.INSIDE
+        # how full the queues can be, as room is heeded a clock late, and as they are emptied
+        room, surfaces, records = inside["room"], candidates["level"], notes["level"]
+        invariant(
+            m, ~room | ((surfaces <= parameters.queue_depth - 2) & (records <= depth - 2)), "room is none"
+        )
+        empty = surfaces == 0
+        invariant(m, empty | (surfaces + overdue < parameters.queue_depth), "a candidate too many")
+        empty = records + after_end == 0
+        invariant(m, empty | (records + overdue + after_end <= depth), "a note too many")
+        invariant(m, room | (overdue < 4), "room comes late")
+        queue_holds(m, inside["notes"], notes, noted, depth, compared=mark_only)
+        return m
+
+
+NARROW = """
+def derivatives_layout(parameters):
+    return data.StructLayout({"dxx": 2})
+"""
+SELECTION = Claim(
+    says="CandidateSelection: notes and candidates in step, nothing lost, stream rules",
+    design=hdl.candidate_selection,
+    small=variant(
+        hdl.candidate_selection,
+        {
+            "INSIDE = 4": "INSIDE = 1",
+            "COORDINATE_BITS - OFFSET_BITS": "4",
+            "from hdl.surface import derivatives_layout": NARROW,
+        },
+    ),
+    check=SelectionChecker,
+    depth=2,
+    covered=14,
+    faults=(
+        Fault("candidates.room & notes.room", "notes.room", "candidate: more is inside", 14),
+        Fault("notes.i.valid.eq(picked | ending)", "notes.i.valid.eq(picked)", "note: ", 5),
+        Fault("[x.eq(MARGIN), y.eq(y + 1)]", "x.eq(MARGIN)", "note: another beat", 6),
+        Fault("picked.eq(step & corner.corner", "picked.eq(self.corners.valid & corner.corner", "", 14),
+    ),
+)
+
+
+@pytest.mark.parametrize("case", cases(SELECTION))
+def test_candidate_selection(case: Case, record_property: Callable[[str, object], None]) -> None:
+    case(record_property)

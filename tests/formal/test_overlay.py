@@ -1,0 +1,56 @@
+# amaranth: UnusedElaboratable=no
+"""Overlay: its output keeps the rule of streams whatever comes, restarts included."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from amaranth.hdl import Cover, Elaboratable, Module
+
+import hdl.edges.overlay
+from golden.parameters import Parameters
+from tests.formal.claims import Case, Claim, Fault, cases
+from tests.formal.properties import free, moves, stable
+
+PARAMETERS = Parameters(max_width=15, max_height=15, buffering="lean", video_out=True)
+"""The smallest, because the depth of its memory has no part in this."""
+
+
+class OverlayChecker(Elaboratable):
+    """Nothing is assumed."""
+
+    def __init__(self, design: Any) -> None:
+        self._design = design
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.dut = dut = self._design.Overlay(PARAMETERS)
+        free(m, dut)
+        stable(m, dut.o, "o")
+        m.d.comb += Cover(moves(dut.o) & dut.o.payload.eol, "a line ends")
+        return m
+
+
+OVERLAY = Claim(
+    says="Overlay: a pixel stays until it is taken, whatever comes",
+    design=hdl.edges.overlay,
+    check=OverlayChecker,
+    depth=1,
+    covered=8,
+    faults=(
+        Fault("(~self.o.valid | self.o.ready) & (~marked", "(~marked", "o: the payload changes", within=8),
+        Fault(
+            "with m.If(step):\n            m.d.sync += [\n                self.o",
+            "if True:\n            m.d.sync += [\n                self.o",
+            "o: the payload changes",
+            within=8,
+        ),
+    ),
+)
+
+
+@pytest.mark.parametrize("case", cases(OVERLAY))
+def test_overlay(case: Case, record_property: Callable[[str, object], None]) -> None:
+    case(record_property)

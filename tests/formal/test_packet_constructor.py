@@ -1,0 +1,199 @@
+# amaranth: UnusedElaboratable=no
+"""Packet constructor: every packet is whole, counted and numbered, and every record is passed on or counted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from amaranth.hdl import Assert, Assume, C, Cat, Cover, Elaboratable, Module, Mux, Signal, Value
+
+import hdl.edges.packet_constructor
+from golden.output_constructor import (
+    COUNT_BITS,
+    CUT_SHIFT,
+    END_OF_FRAME,
+    FLAG_SHIFT,
+    FRAME_BITS,
+    RESPONSE_FIELD_BITS,
+    RESPONSE_SHIFT,
+)
+from tests.formal.claims import Case, Claim, Fault, cases
+from tests.formal.design import Insides
+from tests.formal.properties import (
+    Scoreboard,
+    accepts_within,
+    assume_stable,
+    free,
+    invariant,
+    moves,
+    stable,
+    within,
+)
+
+
+def ends(record: Value) -> Value:
+    """The record is an end-of-frame record, cut or not."""
+    return record[FLAG_SHIFT:CUT_SHIFT] == END_OF_FRAME
+
+
+def assume_detector(m: Module, i: Any) -> None:
+    """What comes is as the output constructor sends it: ``last`` with the end-of-frame record, and only with it."""
+    assume_stable(m, i, "i")
+    m.d.comb += Assume(i.payload.last == ends(i.payload.record))
+
+
+class PacketChecker(Elaboratable):
+    """The model of it: how many records a frame has had, by what became of them.
+
+    Assumed: records as the output constructor sends them; ``close`` stays until it is answered, and no record is
+    offered meanwhile; ``clear`` comes with the answer, or when no packet is open. The proof of the video detector
+    shows that it keeps to that.
+    """
+
+    def __init__(self, design: Any) -> None:
+        self._design = design
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.dut = dut = self._design.PacketConstructor()
+        inside = Insides(dut)
+        free(m, dut)
+        i, o = dut.i, dut.o
+        last, end = i.payload.last, o.payload.record
+        assume_detector(m, i)
+        stable(m, o, "o")
+
+        passed, dropped, number = Signal(COUNT_BITS), Signal(COUNT_BITS), Signal(FRAME_BITS)
+        taken = moves(i)
+        closes = (taken & last) | dut.closed
+        passes = taken & ~last & (passed < dut.max_records)
+        asked = Signal()
+        m.d.sync += asked.eq(dut.close & ~dut.closed)
+        m.d.comb += [
+            Assume(dut.close | ~asked),
+            Assume(~(dut.close & i.valid)),
+            Assume(~dut.clear | dut.closed | (~i.valid & ~dut.close & (passed == 0) & (dropped == 0))),
+            Assert(~dut.closed | dut.close, "closed without being asked"),
+        ]
+        with m.If(closes):
+            m.d.sync += [passed.eq(0), dropped.eq(0), number.eq(number + 1)]
+        with m.Elif(taken):
+            m.d.sync += [passed.eq(passed + passes), dropped.eq(dropped + ~passes)]
+        with m.If(dut.clear):
+            m.d.sync += number.eq(0)
+
+        maximum = i.payload.record[RESPONSE_SHIFT : RESPONSE_SHIFT + RESPONSE_FIELD_BITS]
+        closing = Cat(passed, number, Mux(dut.close, 0, maximum), C(END_OF_FRAME, 2), dut.close)
+        given = Mux(dut.close | last, closing, i.payload.record)
+        board = Scoreboard(
+            m,
+            "i to o",
+            enters=passes | closes,
+            given=Cat(given, dut.close | last),
+            leaves=moves(o),
+            found=Cat(o.payload.record, o.payload.last),
+            capacity=1,
+        )
+        board.leaves_within(1, o.ready)
+        accepts_within(m, 1, i, during=o.ready, name="i")
+        within(m, 1, during=dut.close & o.ready, happens=dut.closed, name="a cut frame is not closed")
+        self._packets(m, dut, passed)
+        self._results(m, dut, passed, dropped)
+
+        invariant(m, board.inside == o.valid, "what is at the output is not what went in")
+        with m.If(board.following):
+            invariant(m, Cat(end, o.payload.last) == board.value, "another beat is at the output")
+        invariant(m, dut.results.frames == number, "frames are counted wrong")
+        counted = (inside["count"] == passed) & (inside["dropped"] == dropped)
+        invariant(m, counted, "records are counted wrong")
+        return m
+
+    def _packets(self, m: Module, dut: Any, passed: Signal) -> None:
+        """What a receiver sees, which knows nothing of the input."""
+        o, end = dut.o, dut.o.payload.record
+        sent, expected, limit = Signal(COUNT_BITS), Signal(FRAME_BITS), Signal(COUNT_BITS)
+        # the closing beat at the output is from before a clear
+        stale = Signal()
+        end_moves = moves(o) & o.payload.last
+        waits = (o.valid & o.payload.last & ~o.ready) | dut.closed
+        with m.If(moves(o)):
+            m.d.sync += sent.eq(Mux(o.payload.last, 0, sent + 1))
+        with m.If(end_moves):
+            m.d.sync += [expected.eq(Mux(stale, 0, expected + 1)), stale.eq(0)]
+        with m.If(dut.clear):
+            m.d.sync += stale.eq(waits)
+            with m.If(~waits):
+                m.d.sync += expected.eq(0)
+        # the largest limit in this packet, should it change
+        m.d.sync += limit.eq(Mux(end_moves | (limit < dut.max_records), dut.max_records, limit))
+        with m.If(o.valid):
+            m.d.comb += [
+                Assert(o.payload.last == ends(end), "o: last is not with the end-of-frame record"),
+                Assert(~o.payload.last | (end[:COUNT_BITS] == sent), "o: the number of records is wrong"),
+                Assert(o.payload.last | (sent < limit), "o: more records than are allowed"),
+                Assert(
+                    ~o.payload.last | (end[COUNT_BITS : COUNT_BITS + FRAME_BITS] == expected),
+                    "o: frame numbers are not consecutive",
+                ),
+            ]
+        m.d.comb += [
+            Cover(moves(o) & end[CUT_SHIFT] & o.payload.last & (sent == 1), "a cut frame with a record"),
+            Cover(moves(o) & ~end[CUT_SHIFT] & o.payload.last & (sent == 2), "a complete frame with two"),
+        ]
+        at_output = o.valid & o.payload.last
+        record = o.valid & ~o.payload.last
+        counted = Mux(at_output, passed == 0, (sent + record)[:COUNT_BITS] == passed)
+        invariant(m, counted, "what was sent and what went in differ in number")
+        invariant(m, sent <= limit, "more has been sent than is allowed")
+        invariant(m, ~stale | at_output, "nothing waits from before the clear")
+        number = Mux(stale, 0, (expected + at_output)[:FRAME_BITS])
+        invariant(m, dut.results.frames == number, "the numbers of frames differ")
+
+    def _results(self, m: Module, dut: Any, passed: Signal, dropped: Signal) -> None:
+        """What is reported: all of the last complete frame's corners, and those of them that were dropped."""
+        results = dut.results
+        found, lost, any_results = Signal(COUNT_BITS), Signal(COUNT_BITS), Signal()
+        with m.If(moves(dut.i) & dut.i.payload.last):
+            m.d.sync += [found.eq(passed + dropped), lost.eq(dropped), any_results.eq(1)]
+        with m.If(dut.clear):
+            m.d.sync += [found.eq(0), lost.eq(0), any_results.eq(0)]
+        m.d.comb += [
+            Assert((results.corners == found) & (results.dropped == lost), "the results are wrong"),
+            Assert(dut.any_results == any_results, "it is not known whether there are results"),
+            Assert(dut.done == (moves(dut.i) & dut.i.payload.last), "the wrong end is reported as done"),
+            Assert(
+                dut.events.records_dropped
+                == (moves(dut.i) & ~dut.i.payload.last & (passed >= dut.max_records)),
+                "dropping is not reported",
+            ),
+            Cover((lost == 1) & (found == 2), "one of two records was dropped"),
+        ]
+
+
+PACKETS = Claim(
+    says="PacketConstructor: packets are whole, counted and numbered",
+    design=hdl.edges.packet_constructor,
+    check=PacketChecker,
+    depth=2,
+    covered=10,
+    faults=(
+        Fault("send.eq(step & (last | ~full))", "send.eq(step)", "o: more records", within=8),
+        Fault(
+            "full.eq(count >= self.max_records)", "full.eq(count > self.max_records)", "dropping", within=8
+        ),
+        Fault("with m.If(self.done | self.closed | self.clear):", "with m.If(self.done):", "", within=8),
+        Fault("(last | ~full)", "~full", "does not leave", within=8),
+        Fault("last.eq(last | self.close)", "last.eq(last)", "o: ", within=8),
+        Fault("with m.If(self.done | self.closed):", "with m.If(self.done):", "consecutive", within=8),
+        Fault("results.dropped.eq(dropped)", "results.dropped.eq(count)", "results are wrong", within=8),
+        Fault("self.i.ready.eq(free)", "self.i.ready.eq(free | full)", "", within=10),
+        Fault("free.eq(~self.o.valid | self.o.ready)", "free.eq(1)", "more is inside", within=6),
+    ),
+)
+
+
+@pytest.mark.parametrize("case", cases(PACKETS))
+def test_packet_constructor(case: Case, record_property: Callable[[str, object], None]) -> None:
+    case(record_property)

@@ -1,0 +1,146 @@
+# amaranth: UnusedElaboratable=no
+"""Thresholds: each frame gets its own, its maximum goes on, and nothing waits for ever."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from amaranth.hdl import Assert, Cover, Elaboratable, Module, Mux, Signal
+
+import hdl.thresholds
+from golden.parameters import Parameters
+from tests.formal.claims import Case, Claim, Fault, cases
+from tests.formal.design import Insides, variant
+from tests.formal.properties import Scoreboard, assume_stable, free, invariant, moves, stable, within
+
+PARAMETERS = Parameters(pixel_bits=4)
+"""Widths of responses change nothing here."""
+
+
+class ThresholdsChecker(Elaboratable):
+    def __init__(self, design: Any) -> None:
+        self._design = design
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.dut = dut = self._design.Thresholds(PARAMETERS)
+        inside = Insides(dut)
+        free(m, dut)
+        for name in ("i", "settings"):
+            assume_stable(m, getattr(dut, name), name)
+        for name in ("o", "thresholds", "maximum"):
+            stable(m, getattr(dut, name), name)
+        m.d.comb += [
+            Assert(moves(dut.i) == moves(dut.o), "a beat does not pass through in its clock"),
+            Assert(~dut.o.valid | (dut.i.payload == dut.o.payload), "a beat changes on its way through"),
+        ]
+
+        first, largest = Signal(init=1), Signal(PARAMETERS.response_bits)
+        step, beat = moves(dut.i), dut.i.payload
+        now_largest = Mux(first | (beat.data > largest), beat.data, largest)
+        with m.If(step):
+            m.d.sync += [first.eq(beat.eof), largest.eq(now_largest)]
+        taken = Scoreboard(
+            m,
+            "settings taken",
+            enters=step & first,
+            given=0,
+            leaves=moves(dut.settings),
+            found=0,
+            capacity=1,
+        )
+        soon = taken.leaves_within(2, dut.settings.valid)
+        made = Scoreboard(
+            m,
+            "thresholds",
+            enters=moves(dut.settings),
+            given=dut.settings.payload.report_rejected,
+            leaves=moves(dut.thresholds),
+            found=dut.thresholds.payload.report_rejected,
+            capacity=1,
+        )
+        bits = self._design.SIGMA2_BITS
+        made_within = made.leaves_within(bits + 1, dut.thresholds.ready)
+        maxima = Scoreboard(
+            m,
+            "maximum",
+            enters=step & beat.eof,
+            given=now_largest,
+            leaves=moves(dut.maximum),
+            found=dut.maximum.payload,
+            capacity=1,
+        )
+        maxima.leaves_within(1, dut.maximum.ready)
+        ready = dut.o.ready & dut.settings.valid & dut.thresholds.ready & dut.maximum.ready
+        # from a frame's first response to the thresholds' leaving, and one clock to look at it
+        most = bits + 5
+        late = within(m, most, during=ready & dut.i.valid, happens=step, name="i: a beat is not accepted")
+        m.d.comb += Cover(
+            moves(dut.maximum) & first & ~dut.thresholds.valid, "a maximum before its thresholds"
+        )
+
+        chosen, referred, multiplying = (inside[name] for name in ("chosen", "referred", "multiplying"))
+        busy, count, may_start = (inside[name] for name in ("busy", "count", "may_start"))
+        valid = dut.thresholds.valid
+        invariant(m, chosen + referred + multiplying + valid <= 1, "two things at once")
+        invariant(m, busy == (chosen | referred | multiplying), "busy differs")
+        invariant(m, ~may_start | (dut.settings.valid & ~busy & ~valid), "a start too early")
+        invariant(m, ~multiplying | (count < bits), "too many bits")
+        invariant(m, taken.inside == (chosen | referred), "frames and settings differ")
+        invariant(m, made.inside == (multiplying | valid), "settings and thresholds differ")
+        invariant(m, maxima.inside == dut.maximum.valid, "maxima differ")
+        invariant(m, ~(chosen | referred) | dut.settings.valid, "settings are gone")
+        invariant(m, (inside["first"] == first) & (first | (inside["largest"] == largest)), "frames differ")
+        with m.If(made.following):
+            invariant(m, dut.thresholds.payload.report_rejected == made.value, "another frame's thresholds")
+        with m.If(maxima.following):
+            invariant(m, dut.maximum.payload == maxima.value, "another frame's maximum")
+        # how far it has come with a frame: what is overdue cannot be so for longer
+        invariant(m, soon <= referred, "settings come late")
+        invariant(m, ~multiplying | (made_within <= count), "thresholds come late")
+        invariant(m, ~valid | (made_within <= bits), "thresholds stay")
+        with m.If(~may_start):
+            come = Mux(multiplying, count + 2, Mux(valid, bits + 2, Mux(busy, referred, bits + 3)))
+            invariant(m, late <= come, "an input waits for longer than all these take")
+        with m.Else():
+            invariant(m, late <= bits + 4, "an input waits longer")
+        return m
+
+
+THRESHOLDS = Claim(
+    says="Thresholds: one set and one maximum per frame, stream rules, no deadlock",
+    design=hdl.thresholds,
+    small=variant(
+        hdl.thresholds,
+        {
+            "import SIGMA2_INTEGER_BITS, SIGMA_BITS, P": "import P",
+            "SIGMA2_BITS = ": "SIGMA_BITS, SIGMA2_INTEGER_BITS = 2, 1\nSIGMA2_BITS = ",
+        },
+    ),
+    check=ThresholdsChecker,
+    depth=2,
+    covered=14,
+    faults=(
+        Fault("& ~(eof & self.maximum.valid)", "", "maximum: ", 20),
+        Fault("& ~busy & ~self.thresholds.valid & ~start", "& ~busy & ~start", "thresholds: ", 20),
+        Fault(
+            "Mux(first | (response > largest), response, largest)",
+            "Mux(response > largest, response, largest)",
+            "maximum: ",
+            40,
+        ),
+        Fault(
+            "with m.If(self.thresholds.ready):",
+            "with m.If(self.thresholds.ready & self.i.valid):",
+            "thresholds: ",
+            32,
+        ),
+    ),
+)
+
+
+@pytest.mark.parametrize("case", cases(THRESHOLDS))
+def test_thresholds(case: Case, record_property: Callable[[str, object], None]) -> None:
+    case(record_property)

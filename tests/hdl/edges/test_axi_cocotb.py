@@ -1,0 +1,133 @@
+"""The core with AXI edges as it ships: its Verilog, tried by others' bus models, against the golden model.
+
+A short part runs with all tests; ``make verify`` runs everything, for each of ``BUILDS``.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from zlib import crc32
+
+import pytest
+
+from flow.verilog import convert
+from golden import Parameters, profile
+from hdl.edges.axi import AxiCore
+from sim.cocotb_bench import Bench, Result, build_bench, check
+from tests.benches.axi import environment
+
+SMALL = {"max_width": 40, "max_height": 32}
+ODD = {"max_width": 37, "max_height": 29}
+BUILDS = {
+    "paper-banked": profile("paper", **SMALL),
+    "paper-lean": profile("paper", buffering="lean", **ODD),
+    "robust-banked": profile("robust", buffering="banked", **ODD),
+    "robust-lean": profile("robust", **SMALL),
+    "paper-banked-video": profile("paper", video_out=True, **ODD),
+    "robust-lean-video": profile("robust", video_out=True, **SMALL),
+    "mixture": Parameters(
+        pixel_bits=10,
+        gradient="signed",
+        fit="six",
+        patches="pixels",
+        buffering="lean",
+        queue_depth=8,
+        autostart=True,
+        **ODD,
+    ),
+}
+LARGE = {
+    "paper-banked-large": profile("paper", max_width=256, max_height=192),
+    "robust-lean-video-large": profile("robust", video_out=True, max_width=256, max_height=192),
+}
+"""For photographs that show something."""
+MODULES = ("matrix", "registers", "settings", "malformed", "stress")
+ROUNDS, FRAMES = 2, 128
+SHORT: dict[str, dict[str, list[str]]] = {
+    "paper-banked": {
+        "matrix": [
+            f"matrix/frame_size={size}/idle={idle}/stall={stall}"
+            for size in ("least", "odd", "photograph")
+            for idle in ("0.0", "0.4")
+            for stall in ("0.0", "0.5")
+        ],
+        "registers": ["after_reset/bus=0.5", "bytes_of_registers/bus=0.5", "size_refused", "interrupts"],
+        "settings": ["max_records", "soft_reset", "input_idle", "output_stalled"],
+        "malformed": ["early_sof_right_after_a_frame/pauses=0.0"],
+        "stress": ["stress"],
+    },
+    "robust-lean-video": {
+        "matrix": ["matrix/frame_size=maximum/idle=0.0/stall=0.0", "without_software"],
+        "malformed": [
+            f"{name}/pauses=0.35"
+            for name in (
+                *("early_sof", "early_sof_right_after_a_frame", "late_sof", "missing_sof", "short_line"),
+                *("long_line", "tlast_never", "tlast_ignored", "size_changed", "size_out_of_range"),
+                *("soft_reset_anywhere", "hard_reset_anywhere", "input_stopped", "output_stalled"),
+                *("soft_reset_while_stalled", "records_overflow", "disabled"),
+            )
+        ],
+        "video": ["corners_are_marked", "full_rate", "malformed_video/stall=0.3"],
+    },
+}
+
+
+@cache
+def bench(build: str) -> Bench:
+    return build_bench(
+        convert(AxiCore((BUILDS | LARGE)[build]), "cornerstream", []), notify=lambda text: None
+    )
+
+
+def run(
+    build: str, module: str, folder: Path, tests: list[str] | None, rounds: int, frames: int
+) -> tuple[list[Result], str]:
+    """All have passed; what there is to say of them, in a line."""
+    results = bench(build).run(
+        f"tests.benches.bench_axi_{module}",
+        folder=folder,
+        tests=tests,
+        environment=environment((BUILDS | LARGE)[build], ROUNDS=rounds, FRAMES=frames),
+        # each build sees other video
+        seed=crc32(build.encode()),
+        timeout=1800,
+    )
+    check(results)
+    clocks, seconds = sum(result.clocks for result in results), sum(result.seconds for result in results)
+    text = f"{build} {module}: {len(results)} tests, {clocks / 1000:.0f} k clocks, {seconds:.0f} s"
+    tried = [line for result in results for line in result.output.splitlines() if line.startswith("tried ")]
+    return results, "\n  ".join([text, *tried])
+
+
+@pytest.mark.parametrize("build", SHORT)
+def test_short(build: str, tmp_path: Path) -> None:
+    for module, tests in SHORT[build].items():
+        results, text = run(build, module, tmp_path / module, tests, 1, 16)
+        print(text)
+        assert len(results) == len(tests)
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize(
+    ("build", "module"),
+    [
+        # one worker for all of a build, so that it is built once
+        pytest.param(build, module, marks=pytest.mark.xdist_group(build), id=f"{build}-{module}")
+        for build, parameters in BUILDS.items()
+        for module in (*MODULES, *(("video",) if parameters.video_out else ()))
+    ],
+)
+def test_everything(build: str, module: str, tmp_path: Path, record_property: pytest.RecordProperty) -> None:
+    _, text = run(build, module, tmp_path, None, ROUNDS, FRAMES)
+    record_property("verify", text)
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize(
+    "build", [pytest.param(build, marks=pytest.mark.xdist_group(build)) for build in LARGE]
+)
+def test_large_photographs(build: str, tmp_path: Path, record_property: pytest.RecordProperty) -> None:
+    cases = ("idle=0.0/stall=0.0", "idle=0.4/stall=0.96")
+    _, text = run(build, "matrix", tmp_path, [f"matrix/frame_size=photograph/{case}" for case in cases], 1, 1)
+    record_property("verify", text)
