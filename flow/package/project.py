@@ -8,11 +8,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
-import jinja2
-
 from flow.package.platform_designer import hw_interfaces
 from flow.package.registers import driver_source, facts, svd
 from flow.quartus.project import ports_of, split_modules
+from flow.templates import render
 from flow.verilog import MODULE, emit_verilog
 from golden import Parameters, Settings
 from golden import output_constructor as record
@@ -66,7 +65,7 @@ def package_files(parameters: Parameters, interface: PackageInterface) -> dict[s
         _VERILOG: verilog,
         f"{MODULE}.svd": svd(parameters),
         f"software/{MODULE}_registers.py": driver_source(parameters),
-        **{name: _render(template, known) for name, template in _RENDERED.items()},
+        **{name: render(_TEMPLATES, template, known) for name, template in _RENDERED.items()},
     }
     manifest = {
         "generator": f"cornerstream {VERSION}",
@@ -80,7 +79,7 @@ def package_files(parameters: Parameters, interface: PackageInterface) -> dict[s
 
 def registers_page(parameters: Parameters) -> str:
     """The register map as a page, the same whatever the edges are."""
-    return _render("registers.md", _facts(parameters))
+    return render(_TEMPLATES, "registers.md", _facts(parameters))
 
 
 def _facts(parameters: Parameters) -> dict[str, Any]:
@@ -112,16 +111,3 @@ def _facts(parameters: Parameters) -> dict[str, Any]:
         "version": VERSION,
         "video_packet": VIDEO_PACKET,
     }
-
-
-def _render(template: str, known: dict[str, Any]) -> str:
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(_TEMPLATES),
-        undefined=jinja2.StrictUndefined,
-        keep_trailing_newline=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        autoescape=False,
-    )
-    environment.filters["hex"] = lambda value, digits=8: f"0x{value:0{digits}x}"
-    return environment.get_template(f"{template}.j2").render(known)

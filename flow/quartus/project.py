@@ -9,9 +9,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import jinja2
-
 from flow.quartus.memories import Memory, find_memories, with_attributes
+from flow.templates import render
 from flow.verilog import MODULE, emit_verilog
 from golden import Parameters
 from golden.version import VERSION
@@ -95,7 +94,7 @@ def project_files(parameters: Parameters, *, clock_mhz: float = 100.0) -> dict[s
         "version": VERSION,
         "virtual_pins": [pin for port in ports if port.name != "clk" for pin in port.pins],
     }
-    files = sources | {name: _render(name, facts) for name in _PROJECT}
+    files = sources | {name: render(_TEMPLATES, name, facts) for name in _PROJECT}
     manifest = {
         "generator": f"cornerstream {VERSION}",
         "amaranth": version("amaranth"),
@@ -120,15 +119,3 @@ def _grouped(memories: list[Memory]) -> list[dict[str, Any]]:
     for memory in memories:
         groups.setdefault(replace(memory, name=""), []).append(memory.name)
     return [asdict(one) | {"names": names, "attribute": one.attribute} for one, names in groups.items()]
-
-
-def _render(name: str, facts: dict[str, Any]) -> str:
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(_TEMPLATES),
-        undefined=jinja2.StrictUndefined,
-        keep_trailing_newline=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        autoescape=False,
-    )
-    return environment.get_template(f"{name}.j2").render(facts)
