@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from typing import Any
 
@@ -27,10 +26,9 @@ from tests.formal.properties import (
 )
 from tests.formal.queues import queue_holds
 
-DEFAULT = Parameters(pixel_bits=4, queue_depth=8)
-"""Narrow responses, and the shortest queues that can be built."""
-SHORT = copy.copy(DEFAULT)
-"""Still shorter ones, which are soon full."""
+DEFAULT = Parameters()
+SHORT = Parameters(pixel_bits=4)
+"""With queues that are soon full, shorter than any that can be built: for covers and faults."""
 object.__setattr__(SHORT, "queue_depth", ROOM)
 
 

@@ -17,7 +17,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import pytest
-import z3
+import z3  # type: ignore[import-untyped]
 from amaranth.hdl import Assert, C, Cat, Cover, Elaboratable, Module, Mux, Signal, Value
 
 import hdl.square_root

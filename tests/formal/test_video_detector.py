@@ -45,7 +45,8 @@ class VideoDetectorChecker(Elaboratable):
 
         # the numbers of frames in each state
         self.restart, self.closing, opened = (self.inside[name] for name in ("restart", "closing", "opened"))
-        self.complete, open_ = self.inside["inside"], Signal(16)
+        self.complete = self.inside["inside"]
+        self.open = open_ = Signal(16)
         self.last = dut.records.payload.last
         self.at_output = at_output = dut.records.valid & self.last
         self.others = others = (open_ - at_output)[: len(open_)]
@@ -110,7 +111,7 @@ class VideoDetectorChecker(Elaboratable):
         """One closing beat for each frame."""
         record = self.dut.records.valid & ~self.last
         m.d.comb += [
-            Assert(~self.at_output | (self.others + 1 != 0), "a closing beat without a frame"),
+            Assert(~self.at_output | (self.open != 0), "a closing beat without a frame"),
             Assert(~record | (self.others != 0), "a record without a frame"),
             Assert(
                 ~self.guard.resume | self.packets.closed | (self.others == 0),
@@ -219,7 +220,7 @@ EXACT = Claim(
     faults=(
         Fault("(guard.cut & empty)", "guard.cut", "a complete frame is lost", within=11),
         Fault("guard.active | guard.cut | ~drained", "guard.active", "is not closed", within=8),
-        Fault("stopped.eq(restart | closing)", "stopped.eq(restart)", "", within=10),
+        Fault("stopped.eq(restart | closing)", "stopped.eq(restart)", "guard: resume without", within=10),
         Fault("self._parameters.queue_depth + 32", "1", "inside: ", within=10),
     ),
 )
@@ -231,7 +232,12 @@ RESET = Claim(
     covered=11,
     long=True,
     faults=(
-        Fault("packets.close.eq(closing & opened)", "packets.close.eq(closing)", "", within=8),
+        Fault(
+            "packets.close.eq(closing & opened)",
+            "packets.close.eq(closing)",
+            "a closing beat without",
+            within=10,
+        ),
         Fault("(packets.closed | ~opened)", "packets.closed", "closing does not end", within=8),
         Fault("packets.clear.eq(self.reset_done)", "packets.clear.eq(restart)", "in the middle", within=10),
     ),
