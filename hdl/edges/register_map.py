@@ -275,7 +275,7 @@ def _results() -> tuple[Register, ...]:
             "CLOCKS",
             0x4C,
             "ro",
-            "Of the last frame that has come in completely.",
+            "Of the last frame that has come in completely; a soft reset leaves it.",
             (Field("clocks", 0, 32, "Clocks from its first pixel to its last, both counted."),),
         ),
         Register(
