@@ -40,7 +40,7 @@ def control_layout(parameters: Parameters) -> data.StructLayout:
     )
 
 
-def initial_control(parameters: Parameters, **changes: Any) -> dict[str, Any]:
+def initial_control(parameters: Parameters) -> dict[str, Any]:
     """After reset: the largest frame, usual thresholds, enabled only where it is built to start by itself."""
     settings = Settings.default(parameters)
     return {
@@ -54,7 +54,6 @@ def initial_control(parameters: Parameters, **changes: Any) -> dict[str, Any]:
             "constant": settings.constant,
             "floor": settings.floor,
         },
-        **changes,
     }
 
 
