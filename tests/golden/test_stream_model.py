@@ -85,12 +85,12 @@ def test_end_of_every_frame_says_what_was_in_it(frames: list[NDArray[np.uint8]])
         result = model.process(image)
         assert result.records.dtype == np.uint64
         end = decode_frame_end(int(result.records[-1]))
-        assert end == (len(result.records) - 1, number, result.maximum)
+        assert end == (len(result.records) - 1, number, result.maximum, False)
         assert same(result.corners, decode(result.records)) and same(
             result.corners, decode(result.records[:-1])
         )
         assert len(result.corners) == end.records
-    assert end == (0, 3, 0)
+    assert end == (0, 3, 0, False)
 
 
 def test_reset_forgets_everything(frames: list[NDArray[np.uint8]]) -> None:
