@@ -11,7 +11,7 @@ from amaranth.hdl import Shape
 
 from golden import Parameters, profile
 from golden.video import Event
-from hdl.edges import make_core
+from hdl.edges import Interface, make_core
 from hdl.edges.video_detector import VideoDetector
 
 ROOT = Path(__file__).parents[1]
@@ -55,9 +55,9 @@ def test_latency(buffering: str) -> None:
 
 
 @pytest.mark.parametrize(("interface", "title"), [("axi", "AXI"), ("avalon", "Avalon")])
-def test_ports(interface: str, title: str) -> None:
+def test_ports(interface: Interface, title: str) -> None:
     """Every port of the core is in the table, with its width, and no other."""
-    core = make_core(Parameters(video_out=interface == "axi"), interface)  # type: ignore[arg-type]
+    core = make_core(Parameters(video_out=interface == "axi"), interface)
     ports = {str(name): Shape.cast(member.shape).width for name, member in core.signature.members.items()}
     told: dict[str, int] = {}
     for names, bits, *_ in table(title):

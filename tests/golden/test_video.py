@@ -11,7 +11,7 @@ from golden import Parameters, Settings, StreamModel, decode_frame_end, detect
 from golden.output_constructor import FrameEnd, encode_frame_end
 from golden.preprocessing import Image
 from golden.video import Event, Packet, VideoModel, VideoSettings, marked
-from tests.malformed import FAULTS, Beats, texture, whole
+from tests.malformed import FAULTS, Beats, Fault, texture, whole
 
 WIDTH, HEIGHT = 36, 28
 LATE = 24 * WIDTH + 20
@@ -196,10 +196,10 @@ def test_records_of_a_cut_frame_need_their_whole_support() -> None:
 
 
 @pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS.keys())
-def test_after_anything_the_second_next_frame_is_exact(fault: object) -> None:
+def test_after_anything_the_second_next_frame_is_exact(fault: Fault) -> None:
     random = np.random.default_rng(1)
     for _ in range(20):
-        bad = fault(marked(texture(random, WIDTH, HEIGHT)), WIDTH, random)  # type: ignore[operator]
+        bad = fault(marked(texture(random, WIDTH, HEIGHT)), WIDTH, random)
         packets, _ = feed(marked(FIRST), bad, whole(marked(SECOND), WIDTH, random), marked(THIRD))
         last = decode_frame_end(int(packets[-1].records[-1]))
         assert not last.cut
