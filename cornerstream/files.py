@@ -1,4 +1,4 @@
-"""Output files: the table of corners as CSV or JSON, the picture; each is written whole, or not at all."""
+"""Output files: tables of corners, the picture, folders of a command's own; written whole, or not at all."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import os
+import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -104,6 +105,64 @@ def write_all(contents: Mapping[Path, bytes]) -> None:
     finally:
         for leftover in temporary.values():
             leftover.unlink(missing_ok=True)
+
+
+def earlier_files(folder: Path, manifest: str, what: str, *, force: bool) -> set[str]:
+    """Files of an earlier run into this folder, known by its manifest; :class:`BadInput` if it is somebody else's.
+
+    Parameters
+    ----------
+    folder, manifest
+        Where, and the name of the JSON file there whose ``files`` are those that were written.
+    what
+        What such a run makes, for the message.
+    force
+        Take somebody else's folder, too.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise BadInput(f"{folder} is no folder; allowed: a folder that can be written")
+    try:
+        if not folder.exists() or not any(folder.iterdir()):
+            return set()
+        made = json.loads((folder / manifest).read_text(encoding="utf-8"))
+        return {name for name in made["files"] if _is_inside(name)}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        if force:
+            return set()
+        raise BadInput(
+            f"{folder} holds files that are no earlier {what}; allowed: an empty or a new folder, or --force"
+        ) from error
+
+
+def _is_inside(name: str) -> bool:
+    path = Path(name)
+    return not path.is_absolute() and ".." not in path.parts
+
+
+def write_folder(folder: Path, files: Mapping[str, str], old: set[str]) -> None:
+    """Write all files, by path relative to the folder, or none; then remove what belonged to the old ones only."""
+    contents = {name: text.encode() for name, text in files.items()}
+    if folder.exists():
+        _write_into(folder, contents)
+        for name in old - set(files):
+            (folder / name).unlink(missing_ok=True)
+        return
+    prepare_folder(folder.parent)
+    made = folder.parent / f".{folder.name}-{os.getpid()}"
+    try:
+        made.mkdir()
+        _write_into(made, contents)
+        os.replace(made, folder)
+    except OSError as error:
+        raise BadInput(f"cannot write {folder}: {reason(error)}; allowed: a new folder") from error
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
+
+
+def _write_into(folder: Path, contents: Mapping[str, bytes]) -> None:
+    for place in {(folder / name).parent for name in contents}:
+        prepare_folder(place)
+    write_all({folder / name: content for name, content in contents.items()})
 
 
 def _umask() -> int:

@@ -9,7 +9,7 @@ import click
 
 from cornerstream import console
 from cornerstream.errors import bad_input
-from cornerstream.export import earlier_files, write_folder
+from cornerstream.files import earlier_files, write_folder
 from cornerstream.options import (
     detector_options,
     edge_options,

@@ -24,11 +24,16 @@ RESPONSE_MARGIN = 3
 _STRIP_ROWS = 32
 
 
+def pixel_dtype(parameters: Parameters) -> np.dtype[np.unsignedinteger[Any]]:
+    """What an image consists of: uint8, or uint16 for more than 8 pixel bits."""
+    return np.dtype(np.uint8 if parameters.pixel_bits <= 8 else np.uint16)
+
+
 def check_image(image: object, parameters: Parameters) -> Image:
     """The image itself if this detector can take it, else ``TypeError`` or ``ValueError`` saying why."""
     if not isinstance(image, np.ndarray) or isinstance(image, (np.ma.MaskedArray, np.matrix)):
         raise TypeError(f"image is a {type(image).__name__}; allowed: a plain NumPy array")
-    dtype = np.dtype(np.uint8 if parameters.pixel_bits <= 8 else np.uint16)
+    dtype = pixel_dtype(parameters)
     if image.dtype != dtype:
         raise TypeError(
             f"image has dtype {image.dtype}; allowed: {dtype} ({parameters.pixel_bits}-bit pixels)"

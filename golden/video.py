@@ -23,14 +23,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import IntFlag
-from typing import Any
 
 import numpy as np
 
-from golden.detector import frame_records, response_map
+from golden.detector import frame_records, pixel_dtype, response_map
 from golden.output_constructor import COUNT_BITS, FrameEnd, Records, encode_frame_end
 from golden.parameters import SUPPORT, Parameters, Settings, check_integer
-from golden.preprocessing import Image
+from golden.preprocessing import Image, IntArray
 from golden.thresholds import choose_reference, thresholds
 
 NO_LIMIT = (1 << COUNT_BITS) - 1
@@ -231,7 +230,7 @@ class VideoModel:
     def _complete(self, now: VideoSettings) -> Packet:
         image = self._image(now)
         responses = response_map(image, self.parameters)
-        records = self._records(image, now)
+        records = self._records(responses, now)
         maximum = int(responses.max())
         kept = records[: now.max_records]
         self.dropped_records += len(records) - len(kept)
@@ -246,9 +245,10 @@ class VideoModel:
 
     def _cut(self) -> Packet:
         assert self._now is not None
-        records = self._records(self._image(self._now), self._now, pixels=len(self._pixels))
+        responses = response_map(self._image(self._now), self.parameters)
+        records = self._records(responses, self._now, pixels=len(self._pixels))
         self.events |= Event.FRAME_CUT
-        pixels = np.array(self._pixels, self._dtype)
+        pixels = np.array(self._pixels, pixel_dtype(self.parameters))
         packet = Packet(records[: self._now.max_records], self._frame, True, 0, pixels)
         self._after, self._dropped, self._surplus = False, 0, False
         self._end()
@@ -258,19 +258,14 @@ class VideoModel:
         self._now = None
         self._frame += 1
 
-    @property
-    def _dtype(self) -> type[np.unsignedinteger[Any]]:
-        return np.uint8 if self.parameters.pixel_bits <= 8 else np.uint16
-
     def _image(self, now: VideoSettings) -> Image:
         """The frame, black where it has not come."""
-        image = np.zeros(now.width * now.height, self._dtype)
+        image = np.zeros(now.width * now.height, pixel_dtype(self.parameters))
         image[: len(self._pixels)] = self._pixels
         return image.reshape(now.height, now.width)
 
-    def _records(self, image: Image, now: VideoSettings, pixels: int | None = None) -> Records:
+    def _records(self, responses: IntArray, now: VideoSettings, pixels: int | None = None) -> Records:
         limits = thresholds(now.settings, choose_reference(now.settings, self._maximum), self.parameters)
-        responses = response_map(image, self.parameters)
         return frame_records(responses, limits, self.parameters, now.settings.report_rejected, pixels=pixels)
 
 
