@@ -9,35 +9,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from golden import Parameters
-from golden.corner_detection import corner_detection
-from golden.detector import RESPONSE_MARGIN, response_map
 from golden.output_constructor import decode_frame_end
-from golden.parameters import MARGIN, WINDOW_SIZE
-from golden.preprocessing import Image
-from golden.texture_filter import texture_filter
-from golden.thresholds import Thresholds, choose_reference, thresholds
+from golden.thresholds import choose_reference, thresholds
 from golden.video import Packet, VideoModel, VideoSettings
+from tests.accepted import accepted
 from tests.benches.common import Sink
 from tests.malformed import Beats
 
 _SOF, _CORNER = 1, 2
-
-
-def accepted(image: Image, limits: Thresholds, parameters: Parameters) -> NDArray[np.bool_]:
-    """Where a whole pixel is a corner that the texture filter lets pass."""
-    responses = response_map(image, parameters)
-    inner = MARGIN - RESPONSE_MARGIN
-    corners = corner_detection(responses, limits.t1, parameters.ties)[inner - 1 :, inner - 1 :]
-    plain = texture_filter(
-        sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE)), limits.t2, parameters.patches
-    )
-    result = np.zeros(image.shape, bool)
-    result[MARGIN:-MARGIN, MARGIN:-MARGIN] = corners[: plain.shape[0], : plain.shape[1]] & plain
-    return result
 
 
 @dataclass(frozen=True)

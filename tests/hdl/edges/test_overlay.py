@@ -9,15 +9,12 @@ import numpy as np
 import pytest
 
 from golden import Parameters, Settings, profile
-from golden.corner_detection import corner_detection
-from golden.detector import RESPONSE_MARGIN, response_map
-from golden.parameters import MARGIN, WINDOW_SIZE
 from golden.preprocessing import Image
-from golden.texture_filter import texture_filter
 from golden.thresholds import thresholds
 from golden.video import VideoSettings, marked
 from hdl.edges.overlay import Overlay
 from sim import Stalls, Stimulus
+from tests.accepted import accepted
 from tests.hdl.blocks import engine
 from tests.hdl.edges.components import PlainVideoDetector, levels, packets, payloads
 from tests.malformed import random_video
@@ -37,21 +34,10 @@ def video_settings(parameters: Parameters, width: int, height: int) -> VideoSett
     return VideoSettings(width, height, settings)
 
 
-def corner_map(image: Image, parameters: Parameters, settings: Settings) -> np.ndarray:
-    """Where the accepted corners are, pixel by pixel: every window of the frame is looked at."""
-    limits = thresholds(settings, settings.constant, parameters)
-    responses = response_map(image, parameters)
-    windows = np.lib.stride_tricks.sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))
-    inner = MARGIN - RESPONSE_MARGIN
-    around = responses[inner - 1 : 1 - inner, inner - 1 : 1 - inner]
-    corners = corner_detection(around, limits.t1, parameters.ties)
-    accepted = corners & texture_filter(windows, limits.t2, parameters.patches)
-    return np.pad(accepted, MARGIN)
-
-
 def beats_of(image: Image, parameters: Parameters, settings: Settings) -> list[tuple[int, int, int, int]]:
     """(pixel, corner, sof, eol) as they must come out."""
-    corners = corner_map(image, parameters, settings).ravel()
+    limits = thresholds(settings, settings.constant, parameters)
+    corners = accepted(image, limits, parameters).ravel()
     return [
         (pixel, int(corner), int(sof), int(eol))
         for (pixel, sof, eol), corner in zip(marked(image), corners, strict=True)
