@@ -23,6 +23,9 @@ def quotient_bits(limit: int) -> int:
     return limit.bit_length() + 1
 
 
+QUOTIENT_BITS = quotient_bits(HALF)
+
+
 def divide(numerator: Int64, denominator: Int64, limit: int = HALF) -> Int64:
     """numerator / denominator in units of 1/128, rounded to nearest, halves away from zero; at most ``limit``.
 
