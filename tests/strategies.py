@@ -69,7 +69,7 @@ def detectors(**fixed: Any) -> st.SearchStrategy[Parameters]:
     fields: dict[str, st.SearchStrategy[Any]] = {
         "gradient": st.sampled_from(("absolute", "signed")),
         "ties": st.sampled_from(("strict", "first")),
-        "fit": st.sampled_from(("nine", "six")),
+        "fit": st.sampled_from(("nine", "six", "gradient")),
         "patches": st.sampled_from(("regions", "pixels")),
     }
     fields.update({field: st.just(value) for field, value in fixed.items()})

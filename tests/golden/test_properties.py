@@ -15,9 +15,11 @@ from golden import Corners, Parameters, Settings, StreamModel, detect
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
 from golden.detector import RESPONSE_MARGIN, response_map
+from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.output_constructor import Flag
 from golden.preprocessing import gradients, products
-from tests.golden.offsets import bounds
+from golden.subpixel import offset_limit
+from tests.golden.offsets import bounds, offset_bounds
 from tests.strategies import detectors, images
 
 Image = NDArray[np.unsignedinteger[Any]]
@@ -65,11 +67,18 @@ def find(image: Image, parameters: Parameters) -> Found:
     y, x = (place + 3 for place in np.nonzero(corner_detection(responses[3:-3, 3:-3], 0, parameters.ties)))
     pixels = Corners(x + RESPONSE_MARGIN + 1.0, y + RESPONSE_MARGIN + 1.0, corners.response, corners.flags)
     assert len(pixels.x) == len(corners)
+    if parameters.fit == "gradient":
+        windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[y, x]
+        return Found(corners, pixels, offset_bounds(normal_equations(windows), parameters))
     patches = sliding_window_view(responses, (3, 3))[y, x]
     return Found(corners, pixels, bounds(patches, parameters))
 
 
-@given(images(), detectors(ties="strict", fit="nine"), st.sampled_from(sorted(TURNS)))
+even_handed = detectors(ties="strict", fit="nine") | detectors(ties="strict", fit="gradient")
+"""Neither ties nor the six samples prefer a direction."""
+
+
+@given(images(), even_handed, st.sampled_from(sorted(TURNS)))
 def test_turning_the_image_turns_the_corners(image: Image, parameters: Parameters, turn: str) -> None:
     """Each corner's pixel, response and verdict exactly, its offset as far as mantissas go."""
     turn_image, turn_corners = TURNS[turn]
@@ -87,7 +96,7 @@ def test_turning_the_image_turns_the_corners(image: Image, parameters: Parameter
     assert (np.abs(other.corners.y[by_place] - y[by_turned_place]) <= apart).all()
 
 
-@given(images(), detectors(ties="strict", fit="nine"))
+@given(images(), even_handed)
 def test_exchanging_x_and_y_exchanges_them_in_the_records(image: Image, parameters: Parameters) -> None:
     corners = detect(image, parameters, EVERYTHING)
     turned = detect(image.T, parameters, EVERYTHING)
@@ -134,8 +143,11 @@ def test_cropping_changes_nothing_further_than_seven_pixels_away(
     whole_rows = rows(whole)
     assert set(crop_rows) <= set(whole_rows)
     # a corner strictly inside this rectangle is centred 7 pixels or more from every new edge
+    reach = 6 + offset_limit(parameters.fit) / 128
     expected = [
-        row for row in whole_rows if top + 6.5 < row[0] < bottom - 7.5 and left + 6.5 < row[1] < right - 7.5
+        row
+        for row in whole_rows
+        if top + reach < row[0] < bottom - 1 - reach and left + reach < row[1] < right - 1 - reach
     ]
     assert set(expected) <= set(crop_rows)
     assert len(set(crop_rows)) == len(crop)
