@@ -235,13 +235,13 @@ def test_gradient_steps(name: EngineName, stalls: Stalls) -> None:
     contrast = rng.integers(1, 255, (count, 1, 1), endpoint=True)
     v, u = np.mgrid[-4:5, -4:5]
     angles = rng.uniform(0, 2 * np.pi, (2, count, 1, 1))
-    u, v = u - rng.uniform(-3, 3, (count, 1, 1)), v - rng.uniform(-3, 3, (count, 1, 1))
+    u, v = u - rng.uniform(-9, 9, (count, 1, 1)), v - rng.uniform(-9, 9, (count, 1, 1))
     sides = [np.cos(angle) * u + np.sin(angle) * v > 0 for angle in angles]
     pixels = np.where(sides[0] & sides[1], contrast, 0)
     pixels[::2] = np.where(sides[0] ^ sides[1], contrast, 0)[::2]
     pixels += rng.integers(0, 1 + (255 - contrast) // 8, pixels.shape)
     # without any gradient, and with parallel ones
-    pixels[7], pixels[8] = 7, np.arange(9)
+    pixels[7], pixels[8] = 7, 3 * np.arange(9)
     capture = check_derivatives("gradient", normal_equations(pixels.astype(np.uint8)), name, stalls)
     seen = unpack(offset_layout("gradient"), capture.outputs["o"])
     inside = ~(seen["clamped"] | seen["not_maximum"]).astype(bool)
