@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.hdl import C, Cat, Module, Mux, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -57,12 +57,13 @@ class Divider(wiring.Component):
         m = Module()
         remainder = Signal(self._bits, reset_less=True)
         doubled = remainder << 1
+        denominator = Cat(C(0, self._places), self.denominator) if self._places else self.denominator
         left = Signal(self._bits + 2)
         fits = ~left[-1]
         # a first bit that is set is one half already: no further bit may follow
         first, bit = Signal(), Signal()
         m.d.comb += [
-            left.eq(doubled - (self.denominator << self._places)),
+            left.eq(doubled - denominator),
             bit.eq(fits & ~self.reached),
         ]
         with m.If(self.load):

@@ -4,21 +4,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
-from amaranth.hdl import Module, unsigned
-from amaranth.lib import stream, wiring
-from amaranth.lib.wiring import In, Out
+from amaranth.hdl import unsigned
 from numpy.lib.stride_tricks import sliding_window_view
 
 from golden.normal_equations import LARGEST, PIXEL_SIZE, largest, normal_equations
 from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Parameters
 from golden.subpixel import derivative_bits
 from hdl.derivatives import derivatives_layout
+from hdl.gradient_step import GradientStep
 from hdl.normal_equations import NormalEquations
-from hdl.preprocessing import Preprocessing
 from hdl.stream import Columns
 from sim.engine import EngineName
 from sim.stimulus import Stalls
@@ -43,29 +40,6 @@ STEP = Parameters(fit="gradient")
 SIZES = [(9, 9), (16, 17), (9, 30), (24, 10), (10, 9)]
 
 
-class Equations(wiring.Component):
-    """Normal equations of columns of nine rows of pixels."""
-
-    def __init__(self, parameters: Parameters) -> None:
-        self._preprocessing = Preprocessing(replace(parameters, gradient="signed"), PIXEL_SIZE)
-        self._equations = NormalEquations(parameters)
-        self.latency = self._preprocessing.latency + self._equations.latency
-        super().__init__(
-            {
-                "i": In(stream.Signature(Columns(unsigned(parameters.pixel_bits), PIXEL_SIZE))),
-                "o": Out(stream.Signature(derivatives_layout(parameters))),
-            }
-        )
-
-    def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        m.submodules.preprocessing, m.submodules.equations = self._preprocessing, self._equations
-        wiring.connect(m, wiring.flipped(self.i), self._preprocessing.i)
-        wiring.connect(m, self._preprocessing.o, self._equations.i)
-        wiring.connect(m, self._equations.o, wiring.flipped(self.o))
-        return m
-
-
 def streams(frames: list[Array], parameters: Parameters) -> tuple[dict[str, Words], dict[str, Words]]:
     windows = [
         sliding_window_view(frame, (PIXEL_SIZE, PIXEL_SIZE)).reshape(-1, PIXEL_SIZE, PIXEL_SIZE)
@@ -81,10 +55,10 @@ def test_sums(name: EngineName, stalls: Stalls) -> None:
     shapes = SIZES if name == "compiled" else [*SIZES[:1], (11, 12)]
     frames = noise(shapes, 255, dtype=np.uint8)
     given, expected = streams(frames, STEP)
-    capture = run(engine(name, Equations, STEP), given, expected, stalls)
+    capture = run(engine(name, GradientStep, STEP), given, expected, stalls)
     if stalls == NO_STALLS:
         beats = completing([(height - 8, width) for height, width in shapes], PIXEL_SIZE)
-        assert_timing(capture, Equations(STEP).latency, beats)
+        assert_timing(capture, GradientStep(STEP).latency, beats)
 
 
 @pytest.mark.parametrize("pixel_bits", range(MIN_PIXEL_BITS, MAX_PIXEL_BITS + 1))
@@ -99,13 +73,13 @@ def test_extremes(pixel_bits: int) -> None:
         frames += [np.where(slope % 4 < 2, 0, top).astype(np.uint16)]
     frames += noise([(60, 70)], top, 1, dtype=np.uint16)
     given, expected = streams(frames, parameters)
-    run(engine("compiled", Equations, parameters), given, expected)
+    run(engine("compiled", GradientStep, parameters), given, expected)
 
 
 def test_photograph() -> None:
     frames = [photograph("camera")[100:220, 180:340], photograph("brick")[:80, :90]]
     given, expected = streams(frames, STEP)
-    run(engine("compiled", Equations, STEP), given, expected, Stalls(inputs=0.2, outputs=0.2, seed=3))
+    run(engine("compiled", GradientStep, STEP), given, expected, Stalls(inputs=0.2, outputs=0.2, seed=3))
 
 
 def test_formats_hold_what_the_formulas_can_give() -> None:
