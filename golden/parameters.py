@@ -5,7 +5,7 @@ Number formats are derived here and nowhere else, so that the two cannot drift a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from numbers import Integral, Real
 from typing import Any, Literal, get_args
 
@@ -37,6 +37,8 @@ SIGMA2_INTEGER_BITS = 4
 """sigma2 reaches 16: tau cannot exceed 8 times the frame's largest D, so with that as Dref 8 is plenty."""
 MEAN_WEIGHT_BITS, MEAN_WEIGHT_FRACTION_BITS = 4, 3
 """sigma2 where the texture filter is an adaptive threshold: eighths from 0 to 15."""
+OPTIONS = frozenset({"derivative", "response_filter", "texture"})
+"""Fields of ``Parameters`` that go without mention where they have their default."""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
 MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10
 
@@ -160,6 +162,15 @@ class Parameters:
         _check_choice("fit", self.fit, Fit)
         _check_choice("patches", self.patches, Patches)
         _check_choice("buffering", self.buffering, Buffering)
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """All fields by name, without the :data:`OPTIONS` that nobody asked for."""
+        return {
+            field.name: value
+            for field in fields(self)
+            if (value := getattr(self, field.name)) != field.default or field.name not in OPTIONS
+        }
 
     @property
     def pixel_max(self) -> int:
