@@ -300,7 +300,15 @@ class Settings:
 
 PROFILES: dict[str, Parameters] = {
     "paper": Parameters(),
-    "robust": Parameters(gradient="signed", ties="first", fit="gradient", buffering="lean"),
+    "robust": Parameters(
+        gradient="signed",
+        derivative="sobel",
+        response_filter="binomial",
+        ties="first",
+        fit="gradient",
+        texture="mean",
+        buffering="lean",
+    ),
 }
 
 

@@ -51,8 +51,8 @@ class Detector(wiring.Component):
                   ├ centre rows ─── corner detection ──┘                   ├─ candidate selection
                   └ pixels ─ step gradients ─ normal equations ────────────┘
 
-    With ``response_filter="binomial"`` the centre rows are those of S. With ``texture="mean"`` the texture filter is an
-    adaptive threshold, which looks at the centre rows, too.
+    With ``response_filter="binomial"`` the centre rows are those of S. With ``texture="mean"`` the texture filter is
+    an adaptive threshold, which looks at the centre rows, too.
 
     The paper also buffers A, B and C, and the responses three times, and refines every pixel. Here gradients and
     products are made anew for each row of the smoothing window; one response buffer serves all that need windows;
