@@ -89,7 +89,7 @@ class Parameters:
         the image moves by a part of a pixel.
     response_filter
         ``"binomial"``: corners are the peaks of S, which is D smoothed by [1 2 1]ᵀ[1 2 1] / 16, and T1 and a
-        quadratic surface refer to S. Beside a saddle D has two peaks where S has one. ``"none"``: S = D.
+        quadratic surface refer to S. At a saddle D may have two peaks where S has one. ``"none"``: S = D.
     ties
         ``"strict"``: of two equal neighbouring responses neither is a corner (Eq. 5);
         ``"first"``: the one that comes first in raster order is.
