@@ -10,12 +10,26 @@ import click
 
 from cornerstream.errors import BadInput, bad_input
 from golden import PROFILES, Parameters, Settings, profile
-from golden.parameters import Buffering, Fit, Gradient, Patches, Reference, Ties, check_integer
+from golden.parameters import (
+    Buffering,
+    Derivative,
+    Fit,
+    Gradient,
+    Patches,
+    Reference,
+    ResponseFilter,
+    Texture,
+    Ties,
+    check_integer,
+)
 from hdl.edges import Interface, check_core
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
-_DETECTOR = ("gradient", "ties", "fit", "patches", "buffering", "max_width", "max_height", "pixel_bits")
+_DETECTOR = (
+    *("gradient", "derivative", "response_filter", "ties", "fit", "texture", "patches"),
+    *("buffering", "max_width", "max_height", "pixel_bits"),
+)
 _EDGES = ("video_out", "autostart")
 _THRESHOLDS = ("sigma1", "sigma2", "reference", "constant", "floor")
 _PLAIN = Parameters()
@@ -44,8 +58,13 @@ detector_options = _together(
         help="Named set of the choices below.",
     ),
     _choice("--gradient", Gradient, "Keep the sign of gx·gy, or not, as the paper."),
+    _choice(
+        "--derivative", Derivative, "Differences of neighbours as the paper, or smoothed across by Sobel."
+    ),
+    _choice("--response-filter", ResponseFilter, "Smooth D before its peaks are looked for, or not."),
     _choice("--ties", Ties, "Of two equal neighbouring responses: neither is a corner, or the first."),
     _choice("--fit", Fit, "Subpixel surface; 'printed' is the paper's misprint (golden model only)."),
+    _choice("--texture", Texture, "Texture filter: the paper's patches, or a threshold by the local mean."),
     _choice("--patches", Patches, "Patches of the texture filter: 3x3 regions or single pixels."),
     _choice("--buffering", Buffering, "Line buffers: N+1 banks as the paper, or N-1 rows."),
     click.option(
@@ -102,7 +121,8 @@ threshold_options = _together(
         type=float,
         default=_USUAL.sigma2,
         show_default=True,
-        help="A corner has a texture measure below sigma2 times the reference; 0 <= sigma2 < 16.",
+        help="A corner has a texture measure below sigma2 times the reference; 0 <= sigma2 < 16. "
+        "With --texture mean: weight of the local mean, in eighths up to 15/8.",
     ),
     click.option(
         "--reference",

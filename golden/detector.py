@@ -9,6 +9,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from golden.adaptive_threshold import adaptive_threshold
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
 from golden.normal_equations import PIXEL_SIZE
@@ -16,6 +17,7 @@ from golden.output_constructor import Corners, FrameEnd, Records, decode, encode
 from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings, check_integer
 from golden.preprocessing import Image, IntArray, gradients, products
 from golden.response import response
+from golden.response_filter import response_filter
 from golden.subpixel import subpixel
 from golden.texture_filter import texture_filter
 from golden.thresholds import Thresholds, choose_reference, thresholds
@@ -61,7 +63,7 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
     result = np.empty((height - 2 * RESPONSE_MARGIN, width - 2 * RESPONSE_MARGIN), dtype=np.int32)
     for top in range(0, len(result), _STRIP_ROWS):
         strip = image[top : top + _STRIP_ROWS + 2 * RESPONSE_MARGIN]
-        gx, gy = gradients(strip)
+        gx, gy = gradients(strip, parameters.derivative)
         a, b, c = (smooth(product) for product in products(gx, gy, parameters.gradient))
         result[top : top + _STRIP_ROWS] = response(a, b, c)
     return result
@@ -81,22 +83,33 @@ def frame_records(
     With ``pixels``, only of those whose whole support lies in the frame's first so many pixels, in raster order.
     """
     inner = MARGIN - RESPONSE_MARGIN
-    reportable = responses[inner - 1 : 1 - inner, inner - 1 : 1 - inner]
-    rows, columns = np.nonzero(corner_detection(reportable, limits.t1, parameters.ties))
+    # the responses whose peaks are corners, as far as corners and their neighbours go
+    filtered = response_filter(
+        responses[inner - 2 : 2 - inner, inner - 2 : 2 - inner], parameters.response_filter
+    )
+    rows, columns = np.nonzero(corner_detection(filtered, limits.t1, parameters.ties))
     if pixels is not None:
         width = responses.shape[1] + 2 * RESPONSE_MARGIN
         decided = (rows + 2 * MARGIN) * width + columns + 2 * MARGIN < pixels
         rows, columns = rows[decided], columns[decided]
     windows = sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
-    textured = ~texture_filter(windows, limits.t2, parameters.patches)
+    values = filtered[rows + 1, columns + 1]
+    if parameters.texture == "mean":
+        accepted, values = adaptive_threshold(values, windows, limits.t1, limits.t2)
+    else:
+        accepted = texture_filter(windows, limits.t2, parameters.patches)
     if not report_rejected:
-        keep = ~textured
-        rows, columns, windows, textured = rows[keep], columns[keep], windows[keep], textured[keep]
+        rows, columns, values, accepted = (
+            rows[accepted],
+            columns[accepted],
+            values[accepted],
+            accepted[accepted],
+        )
     around = MARGIN - PIXEL_SIZE // 2
     pixel_windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[rows + around, columns + around]
-    patches = windows[:, inner - 1 : inner + 2, inner - 1 : inner + 2]
+    patches = sliding_window_view(filtered, (3, 3))[rows, columns]
     offset = subpixel(patches, parameters, pixel_windows)
-    return encode(columns + MARGIN, rows + MARGIN, windows[:, inner, inner], offset, textured)
+    return encode(columns + MARGIN, rows + MARGIN, values, offset, ~accepted)
 
 
 def detect(

@@ -18,7 +18,11 @@ from numpy.typing import NDArray
 
 from golden.detector import check_image
 from golden.output_constructor import Corners, Flag
-from golden.parameters import MARGIN, Fit, Gradient, Parameters, Patches, Settings, Ties
+from golden.parameters import MARGIN, Derivative, Fit, Gradient, Parameters, Patches, Settings, Ties
+
+MAX_WEIGHT = 15 / 8
+LEVEL_GAIN = 81 / 64
+"""Of the adaptive threshold: the largest sigma2, and what the mean is multiplied by beside it."""
 
 Map = NDArray[np.float64]
 """(height, width) float64."""
@@ -37,6 +41,10 @@ KERNEL: Map = (
 )
 """Eq. 1, with the misprinted 19/512 read as 16/512."""
 
+SOBEL: Map = np.array([[1, 0, -1], [2, 0, -2], [1, 0, -1]]) / 4
+"""Of gx, in the paper's sign; gy has it transposed."""
+BINOMIAL: Map = np.array([[1, 2, 1], [2, 4, 2], [1, 2, 1]]) / 16
+
 GRID_Y, GRID_X = (axis.reshape(-1) - 1 for axis in np.mgrid[:3, :3])
 """y and x of the samples S0 ... S8 of Fig. 7, relative to the centre S4."""
 SIX = (0, 3, 5, 7, 2, 6)
@@ -47,10 +55,15 @@ def _undefined(like: NDArray[Any]) -> Map:
     return np.full(like.shape, np.nan)
 
 
-def gradients(image: NDArray[Any]) -> tuple[Map, Map]:
+def gradients(image: NDArray[Any], derivative: Derivative = "central") -> tuple[Map, Map]:
     """Gx and Gy of Sec. 3.1 before their absolute value is taken."""
     pixels = image.astype(np.float64)
     gx, gy = _undefined(pixels), _undefined(pixels)
+    if derivative == "sobel":
+        windows = sliding_window_view(pixels, SOBEL.shape)
+        gx[1:-1, 1:-1] = np.einsum("yxvu,vu->yx", windows, SOBEL)
+        gy[1:-1, 1:-1] = np.einsum("yxvu,uv->yx", windows, SOBEL)
+        return gx, gy
     gx[1:-1, 1:-1] = pixels[1:-1, :-2] - pixels[1:-1, 2:]
     gy[1:-1, 1:-1] = pixels[:-2, 1:-1] - pixels[2:, 1:-1]
     return gx, gy
@@ -63,13 +76,25 @@ def smooth(values: Map) -> Map:
     return result
 
 
-def response_map(image: NDArray[Any], gradient: Gradient) -> Map:
+def response_map(image: NDArray[Any], gradient: Gradient, derivative: Derivative = "central") -> Map:
     """D = (A + B) - sqrt((A - B)² + 4C²) (Eq. 2), defined 3 pixels and more from the edge."""
-    gx, gy = gradients(image)
+    gx, gy = gradients(image, derivative)
     if gradient == "absolute":
         gx, gy = np.abs(gx), np.abs(gy)
     a, b, c = smooth(gx * gx), smooth(gy * gy), smooth(gx * gy)
     return (a + b) - np.sqrt((a - b) ** 2 + 4 * c**2)
+
+
+def binomial(responses: Map) -> Map:
+    """S: the weighted mean of D over 3x3, written out in two dimensions."""
+    result = _undefined(responses)
+    result[1:-1, 1:-1] = np.einsum("yxvu,vu->yx", sliding_window_view(responses, BINOMIAL.shape), BINOMIAL)
+    return result
+
+
+def local_mean(responses: Map, x: int, y: int) -> float:
+    """Of D over the 9x9 window around (x, y)."""
+    return float(responses[y - 4 : y + 5, x - 4 : x + 5].mean())
 
 
 def corner_map(responses: Map, t1: float, ties: Ties) -> NDArray[np.bool_]:
@@ -168,22 +193,29 @@ def reference_detect(
     settings = settings or Settings.default(parameters)
     image = check_image(image, parameters)
     settings.check(parameters)
-    responses = response_map(image, parameters.gradient)
+    responses = response_map(image, parameters.gradient, parameters.derivative)
+    peaks = binomial(responses) if parameters.response_filter == "binomial" else responses
     if reference is None:
         constant = settings.reference == "constant"
         reference = max(settings.constant if constant else float(np.nanmax(responses)), settings.floor)
     t1, t2 = settings.sigma1 * reference, settings.sigma2 * reference
 
     found: list[tuple[float, float, float, int]] = []
-    for y, x in np.argwhere(corner_map(responses, t1, parameters.ties)).tolist():
-        textured = not texturization(responses, x, y, parameters.patches) < t2
+    for y, x in np.argwhere(corner_map(peaks, t1, parameters.ties)).tolist():
+        value = peaks[y, x]
+        if parameters.texture == "mean":
+            value -= min(settings.sigma2, MAX_WEIGHT) * LEVEL_GAIN * local_mean(responses, x, y)
+            textured = not value > t1
+            value = max(value, 0)
+        else:
+            textured = not texturization(responses, x, y, parameters.patches) < t2
         if textured and not settings.report_rejected:
             continue
         if parameters.fit == "gradient":
             dx, dy, flag = gradient_step(image[y - 4 : y + 5, x - 4 : x + 5])
         else:
-            coefficients = surface(responses[y - 1 : y + 2, x - 1 : x + 2], parameters.fit)
+            coefficients = surface(peaks[y - 1 : y + 2, x - 1 : x + 2], parameters.fit)
             dx, dy, flag = peak(coefficients, printed=parameters.fit == "printed")
-        found.append((x + dx, y + dy, responses[y, x], flag | (Flag.TEXTURED if textured else Flag(0))))
+        found.append((x + dx, y + dy, value, flag | (Flag.TEXTURED if textured else Flag(0))))
     columns = np.array(found, dtype=np.float64).reshape(-1, 4).T
     return Corners(x=columns[0], y=columns[1], response=columns[2], flags=columns[3].astype(np.uint8))

@@ -8,7 +8,10 @@ from golden.parameters import SIGMA_BITS, Parameters, Settings
 
 
 class Thresholds(NamedTuple):
-    """T1 in units of D; T2 in units of tau, that is times ``Parameters.pixels_per_region``."""
+    """T1 in units of D; T2 in units of tau, that is times ``Parameters.pixels_per_region``.
+
+    With ``texture="mean"`` T2 is no threshold but ``Settings.mean_weight``.
+    """
 
     t1: int
     t2: int
@@ -24,5 +27,7 @@ def choose_reference(settings: Settings, previous_maximum: int | None) -> int:
 def thresholds(settings: Settings, reference: int, parameters: Parameters) -> Thresholds:
     """T1 = sigma1 · Dref and T2 = sigma2 · Dref, rounded down."""
     t1 = (settings.sigma1_fixed * reference) >> SIGMA_BITS
+    if parameters.texture == "mean":
+        return Thresholds(t1, settings.mean_weight)
     t2 = (settings.sigma2_fixed * reference * parameters.pixels_per_region) >> SIGMA_BITS
     return Thresholds(t1, t2)

@@ -11,6 +11,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import WINDOW_SIZE, Parameters
+from hdl.adaptive_threshold import AdaptiveThreshold
 from hdl.candidate_selection import CandidateSelection, mark_layout
 from hdl.centre_pixels import CentrePixels
 from hdl.centre_rows import CentreRows
@@ -23,6 +24,7 @@ from hdl.late_beats import LateBeats
 from hdl.output_constructor import OutputConstructor, record_layout
 from hdl.preprocessing import PIXEL_ROWS, Preprocessing
 from hdl.response import Response
+from hdl.response_filter import ResponseFilter
 from hdl.stream import Beat, SkidBuffer
 from hdl.subpixel import Subpixel
 from hdl.surface import SurfaceFit
@@ -48,6 +50,9 @@ class Detector(wiring.Component):
         buffer 9 ─┬ texture filter ────────────────────┬─ late beats ──────┐
                   ├ centre rows ─── corner detection ──┘                   ├─ candidate selection
                   └ pixels ─ step gradients ─ normal equations ────────────┘
+
+    With ``response_filter="binomial"`` the centre rows are those of S. With ``texture="mean"`` the texture filter is
+    an adaptive threshold, which looks at the centre rows, too.
 
     The paper also buffers A, B and C, and the responses three times, and refines every pixel. Here gradients and
     products are made anew for each row of the smoothing window; one response buffer serves all that need windows;
@@ -94,9 +99,13 @@ class Detector(wiring.Component):
         self._response_skid = SkidBuffer(Beat(waiting))
         self._thresholds = Thresholds(p)
         self._response_buffer = buffer(waiting, WINDOW_SIZE, 1)
-        self._texture_filter = TextureFilter(p)
+        self._texture_filter: TextureFilter | AdaptiveThreshold = (
+            AdaptiveThreshold(p) if p.texture == "mean" else TextureFilter(p)
+        )
         self._corner_detection = CornerDetection(p)
-        self._centre_rows = CentreRows(p)
+        self._centre_rows: CentreRows | ResponseFilter = (
+            ResponseFilter(p) if p.response_filter == "binomial" else CentreRows(p)
+        )
         self._equations: SurfaceFit | GradientStep = GradientStep(p) if self._by_gradients else SurfaceFit(p)
         if self._by_gradients:
             responses = (self._preprocessing, self._convolution, self._response)
@@ -242,6 +251,11 @@ class Detector(wiring.Component):
             corners.t1.payload.eq(limits.payload.t1),
             texture.thresholds.payload.eq(limits.payload),
         ]
+        if isinstance(texture, AdaptiveThreshold):
+            m.d.comb += [
+                texture.centres.valid.eq(centre_rows.o.valid),
+                texture.centres.payload.eq(centre_rows.o.payload),
+            ]
         if self._by_gradients:
             self._wait_for_equations(m)
         else:

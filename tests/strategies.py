@@ -68,8 +68,11 @@ def detectors(**fixed: Any) -> st.SearchStrategy[Parameters]:
     """Parameters of every kind that hardware can have; ``fixed`` fields keep their value."""
     fields: dict[str, st.SearchStrategy[Any]] = {
         "gradient": st.sampled_from(("absolute", "signed")),
+        "derivative": st.sampled_from(("central", "sobel")),
+        "response_filter": st.sampled_from(("none", "binomial")),
         "ties": st.sampled_from(("strict", "first")),
         "fit": st.sampled_from(("nine", "six", "gradient")),
+        "texture": st.sampled_from(("patches", "mean")),
         "patches": st.sampled_from(("regions", "pixels")),
     }
     fields.update({field: st.just(value) for field, value in fixed.items()})

@@ -123,7 +123,20 @@ def _about(p: Parameters) -> tuple[Register, ...]:
                     Field(name, 8 + k, 1, text, int(value))
                     for k, ((name, value), text) in enumerate(zip(flags.items(), texts, strict=True))
                 ),
-                Field("profile", 16, 4, "1 paper, 2 robust, 0 another mixture of the above.", _profile(p)),
+                Field(
+                    "profile",
+                    16,
+                    4,
+                    "1 paper, 2 robust, 0 another mixture of what makes records.",
+                    _profile(p),
+                ),
+                Field("sobel", 20, 1, "Gradients are smoothed across.", int(p.derivative == "sobel")),
+                Field(
+                    "response_filter", 21, 1, "Responses are smoothed.", int(p.response_filter == "binomial")
+                ),
+                Field(
+                    "adaptive_threshold", 22, 1, "In place of the patches' filter.", int(p.texture == "mean")
+                ),
             ),
         ),
         Register(
@@ -141,7 +154,7 @@ def _about(p: Parameters) -> tuple[Register, ...]:
 
 def _profile(p: Parameters) -> int:
     def records(of: Parameters) -> tuple[str, ...]:
-        return of.gradient, of.ties, of.fit, of.patches
+        return of.gradient, of.derivative, of.response_filter, of.ties, of.fit, of.texture, of.patches
 
     numbers = {records(known): number for number, known in enumerate(PROFILES.values(), 1)}
     return numbers.get(records(p), 0)

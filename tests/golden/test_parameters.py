@@ -20,8 +20,11 @@ RANGES = {
 }
 CHOICES = {
     "gradient": ("absolute", "signed"),
+    "derivative": ("central", "sobel"),
+    "response_filter": ("none", "binomial"),
     "ties": ("strict", "first"),
     "fit": ("nine", "six", "printed", "gradient"),
+    "texture": ("patches", "mean"),
     "patches": ("regions", "pixels"),
     "buffering": ("banked", "lean"),
 }
