@@ -92,8 +92,8 @@ def kind_figures(outcome: Outcome, parameters: Parameters) -> Record:
     }
     return {
         "scenes": len(outcome.found),
-        "detected": rate(outcome.accepted),
-        "detected_before_filter": rate(outcome.found),
+        "detected": rate(outcome.found),
+        "accepted": rate(outcome.accepted),
         **by_method[parameters.fit],
         "inwards": _inwards(outcome, parameters),
         "methods": by_method,
