@@ -10,8 +10,17 @@ import numpy as np
 
 from evaluation.bootstrap import Values, estimate, mean, median, percentile_95, plain
 from evaluation.placements import methods, place
-from evaluation.scenes import KINDS, PAPER_CORNER, PAPER_LINES, PAPER_SOLIDS, SEED, Reading, Scene
-from evaluation.scenes import paper_scene, wide_set
+from evaluation.scenes import (
+    KINDS,
+    PAPER_CORNER,
+    PAPER_LINES,
+    PAPER_SOLIDS,
+    SEED,
+    Reading,
+    Scene,
+    paper_scene,
+    wide_set,
+)
 from golden import Parameters, Settings
 
 Record = dict[str, Any]
@@ -41,7 +50,7 @@ class Outcome:
     scenes: list[Scene] = field(default_factory=list)
 
     def add(self, scene: Scene, parameters: Parameters, settings: Settings) -> None:
-        """Detect the corner of a scene: the one whose whole pixel is nearest to the truth, the same for all methods."""
+        """Detect the corner of a scene: that whose whole pixel is nearest to the truth, the same for all methods."""
         placements = place(scene.image, parameters, settings)
         corner = placements.nearest(scene.x, scene.y, WITHIN)
         self.found.append(corner is not None)
@@ -59,14 +68,19 @@ class Outcome:
 
 
 def figures(offsets: Values) -> Record:
-    """Median, 95th percentile, and bias of (n, 2) errors, each from another image."""
-    distances = np.hypot(*offsets.T)[:, None]
+    """As :func:`figures_of_images`, of (n, 2) errors that are each from another image."""
+    return figures_of_images(list(offsets[:, None, :]))
+
+
+def figures_of_images(offsets: Sequence[Values]) -> Record:
+    """Median and 95th percentile of the distance, and bias, of (n, 2) errors for each image, with intervals."""
+    distances = [np.hypot(*each.T)[:, None] for each in offsets]
     found: Record = {}
     for name, values, statistic in (
         ("median", distances, median),
         ("p95", distances, percentile_95),
-        ("bias_x", offsets[:, :1], mean),
-        ("bias_y", offsets[:, 1:], mean),
+        ("bias_x", [each[:, :1] for each in offsets], mean),
+        ("bias_y", [each[:, 1:] for each in offsets], mean),
     ):
         figure = estimate(values, statistic)
         found |= {name: figure["value"], f"{name}_interval": figure["interval"]}
@@ -145,9 +159,9 @@ def _elsewhere(positions: int) -> Iterator[Scene]:
 def table_5(profiles: dict[str, Parameters], *, quick: bool = False) -> Record:
     """``{profile: ...}``: the eight rows in the paper's 1-based pixels, and the mean errors.
 
-    ``rows`` by the profile's own fit; ``methods``: mean of |dx| and of |dy| and of the distance over the eight, by each
-    method; ``rotation``: the same for the other reading of the lines' degrees; ``elsewhere``: for the same shapes at
-    random positions, because a method could be right at one position by chance.
+    ``rows`` by each method; ``methods``: mean of |dx|, of |dy| and of the distance over the eight, by each method;
+    ``rotation``: the same for the other reading of the lines' degrees; ``elsewhere``: for the same shapes at random
+    positions, because a method could be right at one position by chance.
     """
     shapes: dict[str, Sequence[Scene]] = {
         "opening": paper_scenes(),
@@ -189,8 +203,8 @@ def _means(outcome: Outcome, parameters: Parameters) -> Record:
     for name in methods(parameters):
         offsets = outcome.offsets(name)
         results[name] = {
-            "x": estimate(np.abs(offsets[:, :1]), mean),
-            "y": estimate(np.abs(offsets[:, 1:]), mean),
-            "distance": estimate(np.hypot(*offsets.T)[:, None], mean),
+            "x": estimate(list(np.abs(offsets[:, :1])), mean),
+            "y": estimate(list(np.abs(offsets[:, 1:])), mean),
+            "distance": estimate(list(np.hypot(*offsets.T)[:, None]), mean),
         }
     return results

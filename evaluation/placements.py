@@ -1,4 +1,4 @@
-"""Every way to place a corner, from the same whole pixels: the whole pixel, each fit of the golden model, OpenCV's."""
+"""Every way to place a corner, from the same whole pixels: these themselves, each fit of the golden model, OpenCV."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import compress
 from typing import Any, NamedTuple, TypeVar
@@ -39,7 +39,7 @@ class Score(NamedTuple):
         return self.matched / fewer if fewer else float("nan")
 
 
-def project(points: Points, homography: NDArray[np.float64]) -> Points:
+def project(points: Points, homography: NDArray[np.floating[Any]]) -> Points:
     """(n, 2) points through a homography."""
     mapped = np.column_stack([points, np.ones(len(points))]) @ homography.T
     return mapped[:, :2] / mapped[:, 2:]
@@ -94,9 +94,7 @@ class Visible:
         return visible(pair, first, second)
 
 
-def corners_of(
-    seen: Visible, detectors: list[Detector], mode: Mode
-) -> dict[str, tuple[Points, Points]]:
+def corners_of(seen: Visible, detectors: list[Detector], mode: Mode) -> dict[str, tuple[Points, Points]]:
     """By the detector's name, the corners of both views that count.
 
     Where numbers are to be equal they are so in each view: N as the mode says, or what the detector that finds fewest
@@ -120,7 +118,9 @@ def score(pair: Pair, first: Points, second: Points) -> Score:
     return Score(len(first), len(second), len(distances), distance)
 
 
-def scores(pairs: list[Pair], detectors: list[Detector], mode: Mode, memory: Memory) -> dict[str, list[Score]]:
+def scores(
+    pairs: list[Pair], detectors: list[Detector], mode: Mode, memory: Memory
+) -> dict[str, list[Score]]:
     """By the detector's name, a score for each pair."""
     results: dict[str, list[Score]] = {detector.name: [] for detector in detectors}
     for pair in pairs:
@@ -129,7 +129,7 @@ def scores(pairs: list[Pair], detectors: list[Detector], mode: Mode, memory: Mem
     return results
 
 
-def by_scene(pairs: list[Pair], values: list[tuple[float, ...]]) -> list[Values]:
+def by_scene(pairs: list[Pair], values: Sequence[tuple[float, ...]]) -> list[Values]:
     """Values of the pairs, those of one photograph together; pairs without a value are left out."""
     groups: dict[str, list[tuple[float, ...]]] = {}
     for pair, value in zip(pairs, values, strict=True):

@@ -22,7 +22,7 @@ VIDEO = "video"
 
 
 class Score(NamedTuple):
-    """One detector on one pair: corners given, corners tracked, and, where that is known, tracked to the right place."""
+    """One detector on one pair: corners given, corners tracked, and of these, where known, to the right place."""
 
     given: int
     tracked: int

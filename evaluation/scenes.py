@@ -61,10 +61,12 @@ class Scene:
     inwards: float = float("nan")
 
 
-def plane(width: int, height: int, x: float, y: float) -> tuple[Samples, Samples]:
-    """Coordinates of all samples relative to (x, y), as a row and a column."""
-    across = (np.arange(width * SUPERSAMPLING) + 0.5) / SUPERSAMPLING - 0.5 - x
-    down = (np.arange(height * SUPERSAMPLING) + 0.5) / SUPERSAMPLING - 0.5 - y
+def plane(
+    width: int, height: int, x: float, y: float, samples: int = SUPERSAMPLING
+) -> tuple[Samples, Samples]:
+    """Coordinates of all samples relative to (x, y), as a row and a column; ``samples`` along a pixel's side."""
+    across = (np.arange(width * samples) + 0.5) / samples - 0.5 - x
+    down = (np.arange(height * samples) + 0.5) / samples - 0.5 - y
     return across[None, :].astype(np.float32), down[:, None].astype(np.float32)
 
 
@@ -102,12 +104,14 @@ def greys(u: Samples, v: Samples, kind: Kind, angle: float, opening: float) -> S
     return levels.astype(np.float32)
 
 
-def expose(samples: Samples, blur: float, noise: float, random: np.random.Generator) -> Image:
+def expose(
+    levels: Samples, blur: float, noise: float, random: np.random.Generator, samples: int = SUPERSAMPLING
+) -> Image:
     """Grey levels of all samples into pixels: blur, average over each pixel, noise (standard deviation), rounding."""
     if blur:
-        samples = opencv().GaussianBlur(samples, (0, 0), blur * SUPERSAMPLING, borderType=1)
-    height, width = (side // SUPERSAMPLING for side in samples.shape)
-    pixels = samples.reshape(height, SUPERSAMPLING, width, SUPERSAMPLING).mean(axis=(1, 3), dtype=np.float64)
+        levels = opencv().GaussianBlur(levels, (0, 0), blur * samples, borderType=1)
+    height, width = (side // samples for side in levels.shape)
+    pixels = levels.reshape(height, samples, width, samples).mean(axis=(1, 3), dtype=np.float64)
     if noise:
         pixels = pixels + random.normal(0, noise, pixels.shape)
     return np.clip(np.rint(pixels), 0, 255).astype(np.uint8)
@@ -179,8 +183,8 @@ def paper_scene(
     else:
         first, second = (0.0, -turn) if reading == "opening" else (-turn, -turn - np.pi / 2)
         black = stroke(u, v, first, pen) | stroke(u, v, second, pen)
-    samples = np.where(black, np.float32(0), np.float32(255))
-    image = expose(samples, 0, 0, np.random.default_rng(SEED))
+    levels = np.where(black, np.float32(0), np.float32(255))
+    image = expose(levels, 0, 0, np.random.default_rng(SEED))
     kind = f"{degrees}° {'solid ' if solid else ''}corner"
     return Scene(through_jpeg(image), *corner, kind)
 

@@ -104,7 +104,12 @@ FRAMES_APART = 4
 
 
 def video_pairs(
-    path: Path, group: str, *, pairs: int = PAIRS_PER_VIDEO, apart: int = FRAMES_APART, name: str | None = None
+    path: Path,
+    group: str,
+    *,
+    pairs: int = PAIRS_PER_VIDEO,
+    apart: int = FRAMES_APART,
+    name: str | None = None,
 ) -> list[Pair]:
     """Pairs of frames some frames apart, spread evenly over a video file, grey.
 

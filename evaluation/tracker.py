@@ -1,7 +1,7 @@
 """The exhaustive correlation tracker: every pixel of one image against every place within reach in the other.
 
-The paper's tracker correlates exhaustively, too, but its details (its reference [1]) are not in the paper; this one is
-normalised cross-correlation, forwards and backwards.
+The paper's tracker correlates exhaustively, too, but its details are not in the paper; this one is normalised
+cross-correlation, forwards and backwards.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Views of a photograph by known homographies: each pixel is the mean of samples of the photograph, then light and noise."""
+"""Views of a photograph by known homographies: pixels are means of samples of it, with light and noise."""
 
 from __future__ import annotations
 
@@ -97,7 +97,9 @@ def render(photograph: Image, to_view: Matrix, size: tuple[int, int], view: View
 
 
 def rendered_pairs(
-    photographs: list[NamedImage], views: tuple[View, ...] = VIEWS, notify: Callable[[int], None] | None = None
+    photographs: list[NamedImage],
+    views: tuple[View, ...] = VIEWS,
+    notify: Callable[[int], None] | None = None,
 ) -> list[Pair]:
     """The first view of each photograph with each of its other views."""
     pairs = []
