@@ -153,7 +153,7 @@ COMMON_SIZES = (
 
 
 def reference_corners(board: Board) -> NDArray[np.float64] | None:
-    """Inner corners by OpenCV's sector based board detector, independent of ``cornerSubPix``; None if it finds none."""
+    """Inner corners by OpenCV's board detector, independent of ``cornerSubPix``; None if it finds none."""
     cv2 = opencv()
     for size in [board.size] if board.size else COMMON_SIZES:
         found, corners = cv2.findChessboardCornersSB(
