@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
+from golden.normal_equations import PIXEL_SIZE
 from golden.output_constructor import Corners, FrameEnd, Records, decode, encode, encode_frame_end
 from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings, check_integer
 from golden.preprocessing import Image, IntArray, gradients, products
@@ -67,6 +68,7 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
 
 
 def frame_records(
+    image: Image,
     responses: IntArray,
     limits: Thresholds,
     parameters: Parameters,
@@ -74,7 +76,7 @@ def frame_records(
     *,
     pixels: int | None = None,
 ) -> Records:
-    """Records of one frame's corners, in raster order, from its response map.
+    """Records of one frame's corners, in raster order, from its pixels and their response map.
 
     With ``pixels``, only of those whose whole support lies in the frame's first so many pixels, in raster order.
     """
@@ -90,7 +92,10 @@ def frame_records(
     if not report_rejected:
         keep = ~textured
         rows, columns, windows, textured = rows[keep], columns[keep], windows[keep], textured[keep]
-    offset = subpixel(windows[:, inner - 1 : inner + 2, inner - 1 : inner + 2], parameters)
+    around = MARGIN - PIXEL_SIZE // 2
+    pixel_windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[rows + around, columns + around]
+    patches = windows[:, inner - 1 : inner + 2, inner - 1 : inner + 2]
+    offset = subpixel(patches, parameters, pixel_windows)
     return encode(columns + MARGIN, rows + MARGIN, windows[:, inner, inner], offset, textured)
 
 
@@ -128,7 +133,7 @@ def detect(
     else:
         check_integer("reference", reference, 0, parameters.response_max)
     limits = thresholds(settings, int(reference), parameters)
-    return decode(frame_records(responses, limits, parameters, settings.report_rejected))
+    return decode(frame_records(image, responses, limits, parameters, settings.report_rejected))
 
 
 @dataclass(frozen=True)
@@ -162,7 +167,7 @@ class StreamModel:
         responses = response_map(image, self.parameters)
         maximum = int(responses.max())
         limits = thresholds(settings, choose_reference(settings, self._previous_maximum), self.parameters)
-        records = frame_records(responses, limits, self.parameters, settings.report_rejected)
+        records = frame_records(image, responses, limits, self.parameters, settings.report_rejected)
         end = encode_frame_end(FrameEnd(len(records), self._frame, maximum))
         self._previous_maximum = maximum
         self._frame += 1

@@ -230,7 +230,7 @@ class VideoModel:
     def _complete(self, now: VideoSettings) -> Packet:
         image = self._image(now)
         responses = response_map(image, self.parameters)
-        records = self._records(responses, now)
+        records = self._records(image, responses, now)
         maximum = int(responses.max())
         kept = records[: now.max_records]
         self.dropped_records += len(records) - len(kept)
@@ -245,8 +245,9 @@ class VideoModel:
 
     def _cut(self) -> Packet:
         assert self._now is not None
-        responses = response_map(self._image(self._now), self.parameters)
-        records = self._records(responses, self._now, pixels=len(self._pixels))
+        image = self._image(self._now)
+        responses = response_map(image, self.parameters)
+        records = self._records(image, responses, self._now, pixels=len(self._pixels))
         self.events |= Event.FRAME_CUT
         pixels = np.array(self._pixels, pixel_dtype(self.parameters))
         packet = Packet(records[: self._now.max_records], self._frame, True, 0, pixels)
@@ -264,9 +265,12 @@ class VideoModel:
         image[: len(self._pixels)] = self._pixels
         return image.reshape(now.height, now.width)
 
-    def _records(self, responses: IntArray, now: VideoSettings, pixels: int | None = None) -> Records:
+    def _records(
+        self, image: Image, responses: IntArray, now: VideoSettings, pixels: int | None = None
+    ) -> Records:
         limits = thresholds(now.settings, choose_reference(now.settings, self._maximum), self.parameters)
-        return frame_records(responses, limits, self.parameters, now.settings.report_rejected, pixels=pixels)
+        rejected = now.settings.report_rejected
+        return frame_records(image, responses, limits, self.parameters, rejected, pixels=pixels)
 
 
 def marked(image: Image, *, sof: bool = True, eol: bool = True) -> list[tuple[int, bool, bool]]:
