@@ -28,7 +28,7 @@ MOST = 20_000
 
 @dataclass(frozen=True)
 class Thresholds:
-    """A pair of thresholds as ``Settings`` has them; the paper's sigma1 is also OpenCV's ``qualityLevel``."""
+    """A pair of thresholds as ``Settings`` has them; sigma1 is also OpenCV's ``qualityLevel``."""
 
     sigma1: float
     sigma2: float
@@ -80,11 +80,17 @@ class Ours(Detector):
         return self.at(image, replace(thresholds, sigma1=LOWEST_SIGMA1))
 
     def at(self, image: Image, thresholds: Thresholds) -> Points:
-        sigma2 = thresholds.sigma2 if self.filtered else NO_FILTER
+        sigma2 = self._sigma2(thresholds)
         settings = Settings.default(self.parameters, sigma1=thresholds.sigma1, sigma2=sigma2)
         corners = detect(image, self.parameters, settings)
         order = np.argsort(-corners.response, kind="stable")
         return np.column_stack([corners.x, corners.y])[order]
+
+    def _sigma2(self, thresholds: Thresholds) -> float:
+        if getattr(self.parameters, "texture", "patches") == "patches":
+            return thresholds.sigma2 if self.filtered else NO_FILTER
+        # the adaptive threshold's weight is another thing than the paper's sigma2
+        return USUAL.sigma2 if self.filtered else 0.0
 
 
 class GoodFeaturesToTrack(Detector):
@@ -149,11 +155,17 @@ class Chance(Detector):
 
 
 WITHOUT = " without filter"
+PLAIN = "ranking by D"
 
 
 def detectors(profiles: dict[str, Parameters]) -> list[Detector]:
-    """Each profile with and without its filter, then OpenCV's, then chance."""
-    ours: list[Detector] = []
+    """Each profile with and without its filter, plain ranking by D, then OpenCV's, then chance.
+
+    Ranking by D is the paper's detector without a filter, but with signed gradients and placed by the gradient step:
+    what else a profile does has to be better than this.
+    """
+    plain = Parameters(gradient="signed", ties="first", fit="gradient")
+    ours: list[Detector] = [Ours(PLAIN, plain, filtered=False)]
     for name, parameters in profiles.items():
         ours.append(Ours(name, parameters))
         ours.append(Ours(name + WITHOUT, parameters, filtered=False))

@@ -80,23 +80,24 @@ def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) 
 
 
 def whole_pixels(corners: Corners, image: NDArray[np.uint8], parameters: Parameters) -> NDArray[np.int64]:
-    """(n, 2) pixels at which D has its maxima, of corners that were placed by a fit to D: at most half a pixel away.
+    """(n, 2) pixels at which the response has its maxima, of corners placed by a surface: at most half a pixel away.
 
-    A corner exactly half a pixel away could belong to either neighbour: to the one that has its response, or, if both
-    have, to the first in raster order, as ``ties="first"`` has it.
+    A corner exactly half a pixel away could belong to either neighbour: to the one with the larger response, or, if
+    these are equal, to the first in raster order, as ``ties="first"`` has it.
     """
     responses = response_map(image, parameters)
     height, width = responses.shape
-    pixels = np.full((len(corners), 2), -1, dtype=np.int64)
+    pixels = np.zeros((len(corners), 2), dtype=np.int64)
+    largest = np.full(len(corners), -1, dtype=np.int64)
     for down in (np.floor, np.ceil):
         for across in (np.floor, np.ceil):
             x, y = across(corners.x).astype(np.int64), down(corners.y).astype(np.int64)
             near = (np.abs(x - corners.x) <= 0.5) & (np.abs(y - corners.y) <= 0.5)
             row = np.clip(y - RESPONSE_MARGIN, 0, height - 1)
             column = np.clip(x - RESPONSE_MARGIN, 0, width - 1)
-            chosen = near & (responses[row, column] == corners.response) & (pixels[:, 0] < 0)
+            chosen = near & (responses[row, column] > largest)
             pixels[chosen] = np.column_stack([x, y])[chosen]
-    assert (pixels >= 0).all(), "a corner is more than half a pixel away from where D has its maximum"
+            largest[chosen] = responses[row, column][chosen]
     return pixels
 
 

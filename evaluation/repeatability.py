@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from evaluation.bootstrap import Values, estimate, mean, plain, relative_gain
-from evaluation.detectors import MODES, WITHOUT, Detector, Memory, Mode, Points, Thresholds, budget
+from evaluation.detectors import MODES, PLAIN, WITHOUT, Detector, Memory, Mode, Points, Thresholds, budget
 from evaluation.sources import Pair
 from golden.parameters import MARGIN
 
@@ -155,7 +155,7 @@ def gain(pairs: list[Pair], ours: list[Score], base: list[Score]) -> Record:
 
 
 def mode_figures(pairs: list[Pair], found: dict[str, list[Score]], *, views: bool = False) -> Record:
-    """One mode: each detector over all pairs and by class of scene, and what its filter gains over not having one."""
+    """One mode: each detector over all pairs and by class of scene, and what it gains over having no filter."""
     parts = parts_of(pairs)
     results: Record = {}
     for name, each in found.items():
@@ -163,9 +163,11 @@ def mode_figures(pairs: list[Pair], found: dict[str, list[Score]], *, views: boo
         for part, chosen in parts.items():
             some = take(pairs, chosen)
             results[name][part] = summary(some, take(each, chosen))
-            base = found.get(name + WITHOUT)
-            if base:
-                results[name][part]["gain"] = gain(some, take(each, chosen), take(base, chosen))
+            results[name][part]["gain"] = {
+                base: gain(some, take(each, chosen), take(found[base], chosen))
+                for base in (name + WITHOUT, PLAIN)
+                if base in found and base != name
+            }
         if views:
             results[name]["views"] = _by_view(pairs, each)
     return results

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evaluation.bootstrap import estimate, mean, relative_gain
-from evaluation.detectors import MODES, WITHOUT, Detector, Memory, Mode, Points, budget
+from evaluation.detectors import MODES, PLAIN, WITHOUT, Detector, Memory, Mode, Points, budget
 from evaluation.repeatability import TOLERANCE, by_scene, parts_of, project, take
 from evaluation.sources import Pair
 from evaluation.tracker import LARGEST_RETURN_ERROR, LEAST_CORRELATION, REACH, WINDOW, Tracks, track
@@ -98,7 +98,7 @@ def gain(pairs: list[Pair], ours: list[Score], base: list[Score]) -> Record:
 
 
 def mode_figures(pairs: list[Pair], found: dict[str, list[Score]]) -> Record:
-    """One mode: each detector over all pairs, by class of scene and by video, and what its filter gains."""
+    """One mode: each detector over all pairs, by class of scene and by video, and what it gains."""
     parts = parts_of(pairs)
     parts[VIDEO] = [pair.homography is None for pair in pairs]
     parts["rendered"] = [pair.homography is not None for pair in pairs]
@@ -110,9 +110,11 @@ def mode_figures(pairs: list[Pair], found: dict[str, list[Score]]) -> Record:
         for part, chosen in parts.items():
             some = take(pairs, chosen)
             results[name][part] = summary(some, take(each, chosen))
-            base = found.get(name + WITHOUT)
-            if base:
-                results[name][part]["gain"] = gain(some, take(each, chosen), take(base, chosen))
+            results[name][part]["gain"] = {
+                base: gain(some, take(each, chosen), take(found[base], chosen))
+                for base in (name + WITHOUT, PLAIN)
+                if base in found and base != name
+            }
     return results
 
 
