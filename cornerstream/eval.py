@@ -10,6 +10,7 @@ import click
 
 from cornerstream import console
 from cornerstream.errors import BadInput, one_line
+from cornerstream.eval_tables import tables
 from cornerstream.own_data import load_boards, load_images, load_pairs, load_video
 from evaluation.packages import MissingPackageError
 from evaluation.study import SECTIONS, Own, Record, Section, study
@@ -101,6 +102,9 @@ def evaluate(
         raise BadInput(one_line(error)) from error
     if as_json:
         click.echo(json.dumps(result))
+        return
+    for table in tables(result):
+        console.show(table)
 
 
 def _size(text: str | None) -> tuple[int, int] | None:

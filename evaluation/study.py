@@ -116,7 +116,7 @@ def study(
         with progress("rendered corners", total) as advance:
             result["accuracy"] = accuracy.wide(profiles, quick=quick, notify=advance)
     if "table5" in sections:
-        with progress("the paper's Table 5", 1) as advance:
+        with progress("the paper's Table 5", 1):
             result["table5"] = accuracy.table_5(profiles, quick=quick)
     if "chessboards" in sections:
         result["chessboards"] = _chessboards(profiles, quick, own, progress)
