@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import re
 from pathlib import Path
@@ -11,10 +12,15 @@ import click
 from cornerstream import console
 from cornerstream.errors import BadInput, one_line
 from cornerstream.eval_tables import tables
+from cornerstream.files import prepare_folder, read_figures, write_all
+from cornerstream.options import output_option
 from cornerstream.own_data import load_boards, load_images, load_pairs, load_video
 from evaluation.packages import MissingPackageError
+from evaluation.pictures import pictures
+from evaluation.plots import plots
 from evaluation.study import SECTIONS, Own, Record, Section, study
-from golden import PROFILES
+from evaluation.study_page import FIGURES_NAME, PAGE_NAME, PICTURES, page
+from golden import PROFILES, Parameters
 
 _PATH = click.Path(path_type=Path)
 
@@ -59,6 +65,10 @@ _PATH = click.Path(path_type=Path)
 @click.option(
     "--board-size", metavar="COLUMNSxROWS", help="Their inner corners.  [default: common sizes are tried]"
 )
+@output_option(None, f"Folder for {PAGE_NAME}, {FIGURES_NAME} and pictures.  [default: no files]")
+@click.option(
+    "--page", "page_only", is_flag=True, help=f"Measure nothing: write the page from {FIGURES_NAME}."
+)
 def evaluate(
     quick: bool,
     as_json: bool,
@@ -69,6 +79,8 @@ def evaluate(
     videos: tuple[Path, ...],
     boards: Path | None,
     board_size: str | None,
+    output: Path | None,
+    page_only: bool,
 ) -> None:
     """Measure how good the corners are, and print it beside the paper's and OpenCV's.
 
@@ -83,7 +95,17 @@ def evaluate(
       cornerstream eval --only repeatability --images photos/
       cornerstream eval --only robustness --video walk.mp4
       cornerstream eval --only chessboards --boards boards/ --board-size 9x6
+      cornerstream eval --output build/evaluation
     """
+    if page_only:
+        folder = output or Path("docs")
+        files = _page(read_figures(folder / FIGURES_NAME), folder)
+        write_all(files)
+        console.files_written(list(files))
+        return
+    if output:
+        prepare_folder(output)
+    chosen = {name: PROFILES[name] for name in profiles or PROFILES}
     try:
         own = Own(
             images=load_images(images) if images else [],
@@ -92,7 +114,7 @@ def evaluate(
             boards=load_boards(boards, _size(board_size)) if boards else [],
         )
         result = study(
-            profiles={name: PROFILES[name] for name in profiles or PROFILES},
+            profiles=chosen,
             sections=only or SECTIONS,
             quick=quick,
             own=own,
@@ -100,11 +122,39 @@ def evaluate(
         )
     except MissingPackageError as error:
         raise BadInput(one_line(error)) from error
+    if output:
+        _write(result, output, chosen)
     if as_json:
         click.echo(json.dumps(result))
         return
     for table in tables(result):
         console.show(table)
+
+
+def _page(result: Record, folder: Path) -> dict[Path, bytes]:
+    files = {folder / PAGE_NAME: page(result).encode()}
+    drawn = plots(result)
+    if drawn:
+        prepare_folder(folder / PICTURES)
+    return files | {folder / PICTURES / name: content for name, content in drawn.items()}
+
+
+def _write(result: Record, folder: Path, chosen: dict[str, Parameters]) -> None:
+    if importlib.util.find_spec("matplotlib") is None:
+        raise MissingPackageError("matplotlib is not installed: pip install 'cornerstream[eval]'")
+    files = {folder / FIGURES_NAME: figures_text(result).encode()} | _page(result, folder)
+    if {"accuracy", "table5", "chessboards", "repeatability"} <= set(result):
+        with console.activity("drawing pictures"):
+            drawn = pictures(chosen)
+        files |= {folder / PICTURES / name: content for name, content in drawn.items()}
+    write_all(files)
+    console.files_written(list(files))
+
+
+def figures_text(result: Record) -> str:
+    """The figures as JSON in lines of a useful length: a list of numbers stays on one."""
+    text = json.dumps(result, indent=1)
+    return re.sub(r"\[[^\[\]{}\"]*\]", lambda found: re.sub(r"\s+", " ", found[0]), text) + "\n"
 
 
 def _size(text: str | None) -> tuple[int, int] | None:
@@ -116,6 +166,3 @@ def _size(text: str | None) -> tuple[int, int] | None:
             f"board size is {text!r}; allowed: inner corners along both sides, 3x3 or more, as in 9x6"
         )
     return int(found[1]), int(found[2])
-
-
-__all__ = ["Record", "evaluate"]

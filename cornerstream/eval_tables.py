@@ -7,24 +7,11 @@ from typing import Any
 
 from rich.table import Table
 
+from evaluation.detectors import PLAIN
+from evaluation.markdown import figure, percent, spread
 from evaluation.paper_accuracy import MEAN_ERROR, MEAN_ERROR_INTEGER
 
 Record = dict[str, Any]
-
-
-def spread(value: float | None, interval: list[float | None] | None, digits: int = 2) -> str:
-    """A figure with its interval: 0.74 [0.68, 0.78]."""
-    if value is None:
-        return "–"
-    text = f"{value:.{digits}f}"
-    if interval and None not in interval:
-        text += f" [{interval[0]:.{digits}f}, {interval[1]:.{digits}f}]"
-    return text
-
-
-def figure(estimate: Record | None, digits: int = 2) -> str:
-    """What ``evaluation.bootstrap.estimate`` gives, as text."""
-    return "–" if estimate is None else spread(estimate["value"], estimate["interval"], digits)
 
 
 def tables(study: Record) -> Iterator[Table]:
@@ -115,10 +102,10 @@ def _by_mode(title: str, modes: Record, measure: str, caption: str) -> Table:
     for mode, detectors in modes.items():
         first = mode
         for name, parts in detectors.items():
-            gain = parts["all"]["gain"].get("ranking by D")
+            gain = parts["all"]["gain"].get(PLAIN)
             cells = [figure(parts[group][measure]) for group in ("all", *_groups(modes))]
             corners = parts["all"]["corners"]
-            table.add_row(first, name, "–" if corners is None else f"{corners:.0f}", *cells, figure(gain))
+            table.add_row(first, name, "–" if corners is None else f"{corners:.0f}", *cells, percent(gain))
             first = ""
         table.add_section()
     return table
@@ -126,7 +113,7 @@ def _by_mode(title: str, modes: Record, measure: str, caption: str) -> Table:
 
 def _groups(modes: Record) -> list[str]:
     parts = next(iter(next(iter(modes.values())).values()))
-    return [name for name in parts if name not in ("all", "views")][:4]
+    return [name for name in parts if name not in ("all", "views", "video", "rendered")][:2]
 
 
 def _repeatability(title: str, found: Record) -> Table:

@@ -156,6 +156,7 @@ class Chance(Detector):
 
 WITHOUT = " without filter"
 PLAIN = "ranking by D"
+PLAIN_PARAMETERS = Parameters(gradient="signed", ties="first", fit="gradient")
 
 
 def detectors(profiles: dict[str, Parameters]) -> list[Detector]:
@@ -164,8 +165,7 @@ def detectors(profiles: dict[str, Parameters]) -> list[Detector]:
     Ranking by D is the paper's detector without a filter, but with signed gradients and placed by the gradient step:
     what else a profile does has to be better than this.
     """
-    plain = Parameters(gradient="signed", ties="first", fit="gradient")
-    ours: list[Detector] = [Ours(PLAIN, plain, filtered=False)]
+    ours: list[Detector] = [Ours(PLAIN, PLAIN_PARAMETERS, filtered=False)]
     for name, parameters in profiles.items():
         ours.append(Ours(name, parameters))
         ours.append(Ours(name + WITHOUT, parameters, filtered=False))

@@ -63,7 +63,8 @@ def _scenes(scenes: list[Scene], parameters: Parameters, columns: int) -> bytes:
 
 def _show(axes: Axes, image: np.ndarray) -> None:
     axes.imshow(image, cmap="gray", vmin=0, vmax=255, interpolation="nearest")
-    axes.set_axis_off()
+    axes.set_xticks([])
+    axes.set_yticks([])
 
 
 def _mark(axes: Axes, positions: dict[str, np.ndarray], size: float = 6) -> None:

@@ -25,7 +25,7 @@ COLOURS = {
     "printed": "#d55e00",
     "gradient": "#0072b2",
     OPENCV: "#cc79a7",
-    PLAIN: "#56b4e9",
+    PLAIN: "#000000",
     "paper": "#d55e00",
     "paper" + WITHOUT: "#e69f00",
     "robust": "#0072b2",
@@ -35,6 +35,9 @@ COLOURS = {
     "chance": "#999999",
 }
 _DPI = 100
+FEWEST = 10
+"""Corners per image below which rho is not drawn."""
+NOTHING: Record = {"value": None, "interval": None}
 
 
 def colour(name: str) -> str:
@@ -155,7 +158,8 @@ def _robustness(found: Record) -> Figure:
     width = 0.85 / len(detectors)
     for index, name in enumerate(detectors):
         places = np.arange(len(modes)) + (index - (len(detectors) - 1) / 2) * width
-        estimates = [found["modes"][mode][name]["all"]["rho"] for mode in modes]
+        parts = [found["modes"][mode][name] for mode in modes]
+        estimates = [part["all"]["rho"] if _some(part) else NOTHING for part in parts]
         _bars(axes, places, estimates, width=width, color=colour(name), label=name)
     for value, style, text in zip(MEAN_RHO, (":", "--"), ("Shi-Tomasi", "the paper's"), strict=True):
         axes.axhline(value, color="black", linewidth=0.8, linestyle=style)
@@ -171,4 +175,4 @@ def _robustness(found: Record) -> Figure:
 
 
 def _some(part: Record) -> bool:
-    return bool(part["all"]["given"])
+    return (part["all"]["corners"] or 0) >= FEWEST

@@ -5,16 +5,28 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import compress
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from evaluation.bootstrap import Values, estimate, mean, plain, relative_gain
-from evaluation.detectors import MODES, PLAIN, WITHOUT, Detector, Memory, Mode, Points, Thresholds, budget
+from evaluation.detectors import (
+    MODES,
+    PLAIN,
+    PLAIN_PARAMETERS,
+    WITHOUT,
+    Detector,
+    Memory,
+    Mode,
+    Ours,
+    Points,
+    Thresholds,
+    budget,
+)
 from evaluation.sources import Pair
-from golden.parameters import MARGIN
+from golden.parameters import MARGIN, Fit
 
 Record = dict[str, Any]
 T = TypeVar("T")
@@ -193,6 +205,11 @@ def _by_view(pairs: list[Pair], found: list[Score]) -> Record:
     return {view: plain(float(np.nanmean(some))) for view, some in values.items()}
 
 
+def by_fit() -> list[Detector]:
+    """The corners that plain ranking by D gives, placed by each fit."""
+    return [Ours(str(fit), replace(PLAIN_PARAMETERS, fit=fit), filtered=False) for fit in get_args(Fit)]
+
+
 CURVE = (3000, 1500, 750, 375)
 """Pixels per corner at which repeatability is measured besides."""
 
@@ -208,6 +225,7 @@ def repeatability(
         modes[mode.name] = mode_figures(pairs, found, views=mode is MODES[0])
         if notify:
             notify(done)
+    fits = {name: summary(pairs, each) for name, each in scores(pairs, by_fit(), MODES[0], Memory()).items()}
     curve: list[Record] = []
     for pixels in () if quick else CURVE:
         mode = replace(MODES[0], pixels_per_corner=pixels)
@@ -219,5 +237,6 @@ def repeatability(
         "scenes": sorted({pair.scene for pair in pairs}),
         "pairs": len(pairs),
         "modes": modes,
+        "fits": fits,
         "curve": curve,
     }

@@ -97,12 +97,17 @@ def gain(pairs: list[Pair], ours: list[Score], base: list[Score]) -> Record:
     return estimate(by_scene(pairs, both), relative_gain)
 
 
+def videos_of(pairs: list[Pair]) -> list[str]:
+    """Names of the videos among the pairs."""
+    return sorted({pair.name for pair in pairs if pair.homography is None})
+
+
 def mode_figures(pairs: list[Pair], found: dict[str, list[Score]]) -> Record:
     """One mode: each detector over all pairs, by class of scene and by video, and what it gains."""
     parts = parts_of(pairs)
     parts[VIDEO] = [pair.homography is None for pair in pairs]
     parts["rendered"] = [pair.homography is not None for pair in pairs]
-    for video in sorted({pair.name for pair in pairs if pair.homography is None}):
+    for video in videos_of(pairs):
         parts[video] = [pair.name == video and pair.homography is None for pair in pairs]
     results: Record = {}
     for name, each in found.items():
@@ -140,6 +145,7 @@ def robustness(pairs: list[Pair], detectors: list[Detector], *, notify: Notify |
             "largest_return_error": LARGEST_RETURN_ERROR,
         },
         "pairs": len(chosen),
+        "videos": videos_of(chosen),
         "left_out": len(pairs) - len(chosen),
         "modes": {mode.name: mode_figures(chosen, found[mode.name]) for mode in MODES},
     }
