@@ -9,6 +9,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from golden.adaptation import adapted_threshold, histogram
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
 from golden.output_constructor import Corners, FrameEnd, Records, decode, encode, encode_frame_end
@@ -79,11 +80,14 @@ def frame_records(
     With ``pixels``, only of those whose whole support lies in the frame's first so many pixels, in raster order.
     """
     inner = MARGIN - RESPONSE_MARGIN
-    reportable = responses[inner - 1 : 1 - inner, inner - 1 : 1 - inner]
-    rows, columns = np.nonzero(corner_detection(reportable, limits.t1, parameters.ties))
+    edge = inner - parameters.suppression
+    height, width = responses.shape
+    reportable = responses[edge : height - edge, edge : width - edge]
+    corners = corner_detection(reportable, limits.t1, parameters.ties, parameters.suppression)
+    rows, columns = np.nonzero(corners)
     if pixels is not None:
-        width = responses.shape[1] + 2 * RESPONSE_MARGIN
-        decided = (rows + 2 * MARGIN) * width + columns + 2 * MARGIN < pixels
+        pitch = width + 2 * RESPONSE_MARGIN
+        decided = (rows + 2 * MARGIN) * pitch + columns + 2 * MARGIN < pixels
         rows, columns = rows[decided], columns[decided]
     windows = sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
     textured = ~texture_filter(windows, limits.t2, parameters.patches)
@@ -92,6 +96,25 @@ def frame_records(
         rows, columns, windows, textured = rows[keep], columns[keep], windows[keep], textured[keep]
     offset = subpixel(windows[:, inner - 1 : inner + 2, inner - 1 : inner + 2], parameters)
     return encode(columns + MARGIN, rows + MARGIN, windows[:, inner, inner], offset, textured)
+
+
+def within_budget(records: Records, settings: Settings) -> Records:
+    """Those of a frame's records that are reported: as many of the first as ``max_corners`` allows."""
+    return records[: settings.max_corners] if settings.max_corners else records
+
+
+def next_threshold(
+    responses: IntArray, limits: Thresholds, parameters: Parameters, settings: Settings
+) -> int | None:
+    """T1 that a frame asks for, so that its target would have been met; None if it has no target.
+
+    Counted is what would be reported without T1 and without ``max_corners``.
+    """
+    if not settings.target_corners:
+        return None
+    everything = frame_records(responses, limits._replace(t1=0), parameters, settings.report_rejected)
+    counts = histogram(decode(everything).response, parameters)
+    return adapted_threshold(counts, settings.target_corners, parameters)
 
 
 def detect(
@@ -112,6 +135,7 @@ def detect(
     reference
         Dref. By default the constant if the settings say so, else the image's own largest D: what the
         hardware uses from the second frame on while the scene stands still, and OpenCV's ``qualityLevel``.
+        ``target_corners`` is likewise aimed at with the image's own corners.
 
     Raises
     ------
@@ -128,20 +152,31 @@ def detect(
     else:
         check_integer("reference", reference, 0, parameters.response_max)
     limits = thresholds(settings, int(reference), parameters)
-    return decode(frame_records(responses, limits, parameters, settings.report_rejected))
+    adapted = next_threshold(responses, limits, parameters, settings)
+    limits = thresholds(settings, int(reference), parameters, adapted)
+    records = frame_records(responses, limits, parameters, settings.report_rejected)
+    return decode(within_budget(records, settings))
 
 
 @dataclass(frozen=True)
 class FrameResult:
-    """One frame as the hardware delivers it: all its records, the last one marking its end."""
+    """One frame as the hardware delivers it: all its records, the last one marking its end.
+
+    ``found`` counts the corners that ``max_corners`` left out, too; ``t1`` is the threshold they are above.
+    """
 
     records: Records
     corners: Corners
     maximum: int
+    found: int
+    t1: int
 
 
 class StreamModel:
-    """The detector on a stream of frames: each frame's largest D is the next one's reference."""
+    """The detector on a stream of frames: each frame's largest D is the next one's reference.
+
+    Likewise a frame's corners decide about the next one's T1, where both have a target.
+    """
 
     def __init__(self, parameters: Parameters | None = None) -> None:
         self.parameters = parameters or Parameters()
@@ -150,6 +185,7 @@ class StreamModel:
     def reset(self) -> None:
         """Forget the previous frame and start counting from 0, as a hardware reset does."""
         self._previous_maximum: int | None = None
+        self._adapted: int | None = None
         self._frame = 0
 
     def process(
@@ -161,9 +197,13 @@ class StreamModel:
         settings.check(self.parameters)
         responses = response_map(image, self.parameters)
         maximum = int(responses.max())
-        limits = thresholds(settings, choose_reference(settings, self._previous_maximum), self.parameters)
-        records = frame_records(responses, limits, self.parameters, settings.report_rejected)
+        reference = choose_reference(settings, self._previous_maximum)
+        limits = thresholds(settings, reference, self.parameters, self._adapted)
+        every = frame_records(responses, limits, self.parameters, settings.report_rejected)
+        records = within_budget(every, settings)
         end = encode_frame_end(FrameEnd(len(records), self._frame, maximum))
         self._previous_maximum = maximum
+        self._adapted = next_threshold(responses, limits, self.parameters, settings)
         self._frame += 1
-        return FrameResult(np.append(records, np.uint64(end)), decode(records), maximum)
+        words = np.append(records, np.uint64(end))
+        return FrameResult(words, decode(records), maximum, len(every), limits.t1)

@@ -32,6 +32,10 @@ SIGMA_BITS = 16
 """Fractional bits of sigma1 and sigma2."""
 SIGMA2_INTEGER_BITS = 4
 """sigma2 reaches 16: tau cannot exceed 8 times the frame's largest D, so with that as Dref 8 is plenty."""
+MAX_SUPPRESSION = WINDOW_SIZE // 2
+"""Largest radius of the non-maximum suppression: the whole response window."""
+BUDGET_BITS = 16
+"""Of ``Settings.max_corners`` and ``target_corners``."""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
 MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10
 
@@ -86,6 +90,11 @@ class Parameters:
     patches
         Fig. 5 of the texture filter: ``"regions"``: patch k is the four 3x3 regions at the corners of
         the (2k+3)x(2k+3) square; ``"pixels"``: four single diagonal pixels at radius k.
+    suppression
+        Radius r of the non-maximum suppression, 1 to 4: a corner is the largest of the (2r+1)x(2r+1) responses
+        around it, so that two of them are at least r+1 pixels apart in x or in y.
+    budget
+        Build ``Settings.max_corners`` and ``target_corners``.
     buffering
         ``"banked"``: N+1 block RAMs per N×N window (Sec. 4.1); ``"lean"``: N-1 rows, one row sooner.
         Changes memory and delay, never a record.
@@ -113,6 +122,8 @@ class Parameters:
     ties: Ties = "strict"
     fit: Fit = "nine"
     patches: Patches = "regions"
+    suppression: int = 1
+    budget: bool = False
     buffering: Buffering = "banked"
     sqrt_bits_per_stage: int = 1
     queue_depth: int = 16
@@ -126,9 +137,10 @@ class Parameters:
             ("max_height", SUPPORT, MAX_SIDE),
             ("sqrt_bits_per_stage", 1, 17),
             ("queue_depth", 8, 1024),
+            ("suppression", 1, MAX_SUPPRESSION),
         ):
             _plain_integer(self, field, low, high)
-        for field in ("video_out", "autostart"):
+        for field in ("video_out", "autostart", "budget"):
             if not isinstance(getattr(self, field), bool):
                 raise ValueError(f"{field} is {getattr(self, field)!r}; allowed: True or False")
         _check_choice("gradient", self.gradient, Gradient)
@@ -207,6 +219,11 @@ class Settings:
         Dref never falls below it, or a black frame would turn the next one's noise into corners.
     report_rejected
         Also report corners that the texture filter rejects, flagged ``TEXTURED``.
+    max_corners
+        Corners reported per frame, at most: the first ones in raster order. 0: no limit. Only built with ``budget``.
+    target_corners
+        Corners per frame to aim at: T1 becomes what would have left so many of the previous frame, but no less
+        than sigma1 · floor; see ``golden.adaptation``. 0: T1 as above. Only built with ``budget``.
 
     Raises
     ------
@@ -220,6 +237,8 @@ class Settings:
     constant: int = 8192
     floor: int = 1024
     report_rejected: bool = False
+    max_corners: int = 0
+    target_corners: int = 0
 
     def __post_init__(self) -> None:
         _check_fraction("sigma1", self.sigma1, 1)
@@ -229,6 +248,8 @@ class Settings:
         largest = Parameters(pixel_bits=MAX_PIXEL_BITS, gradient="signed").response_max
         _plain_integer(self, "constant", 1, largest)
         _plain_integer(self, "floor", 1, largest)
+        _plain_integer(self, "max_corners", 0, (1 << BUDGET_BITS) - 1)
+        _plain_integer(self, "target_corners", 0, (1 << BUDGET_BITS) - 1)
 
     @classmethod
     def default(cls, parameters: Parameters, **changes: Any) -> Settings:
@@ -240,9 +261,12 @@ class Settings:
         return cls(**{"constant": 1 << (bits - 4), "floor": 1 << (bits - 7), **changes})
 
     def check(self, parameters: Parameters) -> None:
-        """Raise ``ValueError`` if constant or floor exceed the full scale of this detector's D."""
+        """Raise ``ValueError`` if constant or floor exceed this detector's D, or it lacks the budget asked for."""
         for field in ("constant", "floor"):
             check_integer(field, getattr(self, field), 1, parameters.response_max)
+        for field in ("max_corners", "target_corners"):
+            if not parameters.budget and (value := getattr(self, field)) != 0:
+                raise ValueError(f"{field} is {value!r}; allowed: 0, since the detector is built without budget")
 
     @property
     def sigma1_fixed(self) -> int:
