@@ -5,7 +5,7 @@ Number formats are derived here and nowhere else, so that the two cannot drift a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from numbers import Integral, Real
 from typing import Any, Literal, get_args
 
@@ -36,6 +36,8 @@ MAX_SUPPRESSION = WINDOW_SIZE // 2
 """Largest radius of the non-maximum suppression: the whole response window."""
 BUDGET_BITS = 16
 """Of ``Settings.max_corners`` and ``target_corners``."""
+OPTIONS = frozenset({"suppression", "budget"})
+"""Fields of ``Parameters`` that go without mention where they have their default."""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
 MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10
 
@@ -148,6 +150,15 @@ class Parameters:
         _check_choice("fit", self.fit, Fit)
         _check_choice("patches", self.patches, Patches)
         _check_choice("buffering", self.buffering, Buffering)
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """All fields by name, without the :data:`OPTIONS` that nobody asked for."""
+        return {
+            field.name: value
+            for field in fields(self)
+            if (value := getattr(self, field.name)) != field.default or field.name not in OPTIONS
+        }
 
     @property
     def pixel_max(self) -> int:
@@ -266,7 +277,9 @@ class Settings:
             check_integer(field, getattr(self, field), 1, parameters.response_max)
         for field in ("max_corners", "target_corners"):
             if not parameters.budget and (value := getattr(self, field)) != 0:
-                raise ValueError(f"{field} is {value!r}; allowed: 0, since the detector is built without budget")
+                raise ValueError(
+                    f"{field} is {value!r}; allowed: 0, since the detector is built without budget"
+                )
 
     @property
     def sigma1_fixed(self) -> int:

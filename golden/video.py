@@ -260,7 +260,9 @@ class VideoModel:
         )
         self.events |= Event.FRAME_CUT
         pixels = np.array(self._pixels, pixel_dtype(self.parameters))
-        packet = Packet(within_budget(records, settings)[: self._now.max_records], self._frame, True, 0, pixels)
+        packet = Packet(
+            within_budget(records, settings)[: self._now.max_records], self._frame, True, 0, pixels
+        )
         self._after, self._dropped, self._surplus = False, 0, False
         self._end()
         return packet

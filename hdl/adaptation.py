@@ -1,4 +1,4 @@
-"""Adaptation of T1 to a target (``golden.adaptation``): a histogram of what could be corners, read after each frame."""
+"""Adaptation of T1 to a target (``golden.adaptation``): a histogram of all corners, read after each frame."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from golden.adaptation import STEPS, bins, octaves
 from golden.parameters import BUDGET_BITS, Parameters
 
 EVENT_CLOCKS = 4
-"""A corner's way: 1 taken, 2 its bin, 3 its count out of the memory, 4 and behind a register; then one more goes back."""
+"""A corner's way: 1 its D, 2 its bin, 3 its count out of the memory, 4 behind a register, and one more goes back."""
 
 
 def adapted_layout(parameters: Parameters) -> data.StructLayout:
@@ -24,10 +24,11 @@ def adapted_layout(parameters: Parameters) -> data.StructLayout:
 class Adaptation(wiring.Component):
     """Counts a frame's corners by their D, and works T1 out for the next one.
 
-    One block RAM holds the histogram. The corners of a row are two clocks apart at least; where the second falls into
-    the bin of the first, it finds the sum just on its way back. After a frame's last corner the bins are read from the
-    largest D downwards, one per clock, and cleared on the same way: by the time the next frame has responses, both are
-    done. The bin that reaches the target stays where it was compared, and three more comparisons make the place in it.
+    One block RAM holds the histogram. The corners of a row are two clocks apart at least; where the second falls
+    into the bin of the first, it finds the sum just on its way back. After a frame's last corner the bins are read
+    from the largest D downwards, one per clock, and cleared on the same way: by the time the next frame has responses,
+    both are done. The bin that reaches the target stays where it was compared, and three more comparisons make the
+    place in it.
 
     Reading begins by itself after reset, which clears the histogram; T1 then is what ``kept`` says.
 

@@ -10,7 +10,9 @@ from amaranth.hdl import Module, unsigned
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from golden.output_constructor import COUNT_BITS
 from golden.parameters import WINDOW_SIZE, Parameters
+from hdl.adaptation import Adaptation, adapted_layout
 from hdl.candidate_selection import CandidateSelection, mark_layout
 from hdl.centre_rows import CentreRows
 from hdl.circular_buffer import CircularBuffer
@@ -22,9 +24,20 @@ from hdl.preprocessing import PIXEL_ROWS, Preprocessing
 from hdl.response import Response
 from hdl.stream import SkidBuffer
 from hdl.subpixel import Subpixel
+from hdl.suppression import Suppression
 from hdl.surface import SurfaceFit
 from hdl.texture_filter import TextureFilter
 from hdl.thresholds import Thresholds, settings_layout
+
+
+def budget_members(parameters: Parameters) -> dict[str, Any]:
+    """Of ``Detector``, with ``budget``."""
+    return {
+        "found": Out(COUNT_BITS),
+        "adapted": Out(adapted_layout(parameters)),
+        "adapting": Out(1),
+        "kept": In(adapted_layout(parameters)),
+    }
 
 
 class Detector(wiring.Component):
@@ -58,10 +71,18 @@ class Detector(wiring.Component):
         Thresholds in units of 2**-16 (``Settings.sigma1_fixed``, ``sigma2_fixed``).
     use_constant, constant, floor, report_rejected
         As in ``golden.Settings``; use_constant is its ``reference="constant"``.
+    max_corners, target_corners
+        With ``budget`` only: as in ``golden.Settings``.
     o
         Stream of ``record_layout()``: the frame's corners in raster order, then its end-of-frame record.
     mark
         With ``video_out`` only: stream of ``mark_layout()``, one for each pixel that can be a corner.
+    found
+        With ``budget`` only: corners of the frame whose end-of-frame record is on offer, not only those reported.
+    adapted, adapting
+        With ``budget`` only: ``adapted_layout(parameters)`` for the next frame, and that it is not ready yet.
+    kept
+        With ``budget`` only: what ``adapted`` was before a reset, if the next frame is to follow it; steady.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -80,7 +101,10 @@ class Detector(wiring.Component):
         self._thresholds = Thresholds(p)
         self._response_buffer = buffer(response, WINDOW_SIZE, 1)
         self._texture_filter = TextureFilter(p)
-        self._corner_detection = CornerDetection(p)
+        # the same, one for what always was, the other for every radius, and what would be corners but for T1
+        self._wide = p.suppression > 1 or p.budget
+        self._corner_detection = Suppression(p) if self._wide else CornerDetection(p)
+        self._adaptation = Adaptation(p) if p.budget else None
         self._centre_rows = CentreRows(p)
         self._surface = SurfaceFit(p)
         self._candidates = CandidateSelection(p)
@@ -95,6 +119,7 @@ class Detector(wiring.Component):
                 **settings,
                 "o": Out(stream.Signature(record_layout())),
                 **({"mark": Out(stream.Signature(mark_layout()))} if p.video_out else {}),
+                **(budget_members(p) if p.budget else {}),
             }
         )
 
@@ -174,6 +199,7 @@ class Detector(wiring.Component):
             m.submodules[name] = block
         columns, texture = self._response_buffer.o, self._texture_filter
         limits = self._thresholds.thresholds
+        corner_columns = columns if self._wide else centre_rows.o
         # These four move in step: they are ready whenever the candidate selection is, and equally long.
         # Thresholds stay until the last window of their frame has left. They never come too late: they are ready
         # soon after a frame's first response, and its first column needs eight rows of them.
@@ -182,14 +208,14 @@ class Detector(wiring.Component):
             texture.i.valid.eq(columns.valid),
             centre_rows.i.valid.eq(columns.valid),
             centre_rows.o.ready.eq(surface.i.ready),
-            corners.i.valid.eq(centre_rows.o.valid),
+            corners.i.valid.eq(corner_columns.valid),
             surface.i.valid.eq(centre_rows.o.valid),
             corners.t1.valid.eq(1),
             texture.thresholds.valid.eq(1),
-            limits.ready.eq(texture.thresholds.ready),
+            limits.ready.eq(texture.thresholds.ready if self._adaptation is None else self._adaptation.last),
             centre_rows.i.payload.eq(columns.payload),
             texture.i.payload.eq(columns.payload),
-            corners.i.payload.eq(centre_rows.o.payload),
+            corners.i.payload.eq(corner_columns.payload),
             surface.i.payload.eq(centre_rows.o.payload),
             corners.t1.payload.eq(limits.payload.t1),
             texture.thresholds.payload.eq(limits.payload),
@@ -197,6 +223,29 @@ class Detector(wiring.Component):
         wiring.connect(m, corners.o, self._candidates.corners)
         wiring.connect(m, texture.o, self._candidates.textures)
         wiring.connect(m, surface.o, self._candidates.surfaces)
+        if self._adaptation is not None:
+            self._budget(m, self._adaptation)
+
+    def _budget(self, m: Module, adaptation: Adaptation) -> None:
+        """Counts what goes into the candidate selection, and limits what comes out of it."""
+        m.submodules.adaptation = adaptation
+        corners, limits = self._candidates.corners, self._thresholds.thresholds
+        step = corners.valid & corners.ready
+        m.d.comb += [
+            adaptation.corner.eq(
+                step & corners.payload.data.peak & self._candidates.textures.payload.data.keep
+            ),
+            adaptation.response.eq(corners.payload.data.response),
+            adaptation.last.eq(step & corners.payload.eof),
+            adaptation.target.eq(limits.payload.target_corners),
+            adaptation.kept.eq(self.kept),
+            self._thresholds.adapted.eq(adaptation.adapted),
+            self._thresholds.adapting.eq(adaptation.busy),
+            self.adapted.eq(adaptation.adapted),
+            self.adapting.eq(adaptation.busy),
+            self._candidates.max_corners.eq(limits.payload.max_corners),
+            self.found.eq(self._constructor.found),
+        ]
 
     def _record_chain(self, m: Module) -> None:
         """From candidates to records."""
