@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from golden.adaptation import adapted_threshold, histogram
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
+from golden.normal_equations import PIXEL_SIZE
 from golden.output_constructor import Corners, FrameEnd, Records, decode, encode, encode_frame_end
 from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings, check_integer
 from golden.preprocessing import Image, IntArray, gradients, products
@@ -68,6 +69,7 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
 
 
 def frame_records(
+    image: Image,
     responses: IntArray,
     limits: Thresholds,
     parameters: Parameters,
@@ -75,7 +77,7 @@ def frame_records(
     *,
     pixels: int | None = None,
 ) -> Records:
-    """Records of one frame's corners, in raster order, from its response map.
+    """Records of one frame's corners, in raster order, from its pixels and their response map.
 
     With ``pixels``, only of those whose whole support lies in the frame's first so many pixels, in raster order.
     """
@@ -94,7 +96,10 @@ def frame_records(
     if not report_rejected:
         keep = ~textured
         rows, columns, windows, textured = rows[keep], columns[keep], windows[keep], textured[keep]
-    offset = subpixel(windows[:, inner - 1 : inner + 2, inner - 1 : inner + 2], parameters)
+    around = MARGIN - PIXEL_SIZE // 2
+    pixel_windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[rows + around, columns + around]
+    patches = windows[:, inner - 1 : inner + 2, inner - 1 : inner + 2]
+    offset = subpixel(patches, parameters, pixel_windows)
     return encode(columns + MARGIN, rows + MARGIN, windows[:, inner, inner], offset, textured)
 
 
@@ -104,7 +109,7 @@ def within_budget(records: Records, settings: Settings) -> Records:
 
 
 def next_threshold(
-    responses: IntArray, limits: Thresholds, parameters: Parameters, settings: Settings
+    image: Image, responses: IntArray, limits: Thresholds, parameters: Parameters, settings: Settings
 ) -> int | None:
     """T1 that a frame asks for, so that its target would have been met; None if it has no target.
 
@@ -112,8 +117,9 @@ def next_threshold(
     """
     if not settings.target_corners:
         return None
-    everything = frame_records(responses, limits._replace(t1=0), parameters, settings.report_rejected)
-    counts = histogram(decode(everything).response, parameters)
+    everything = limits._replace(t1=0)
+    records = frame_records(image, responses, everything, parameters, settings.report_rejected)
+    counts = histogram(decode(records).response, parameters)
     return adapted_threshold(counts, settings.target_corners, parameters)
 
 
@@ -152,9 +158,9 @@ def detect(
     else:
         check_integer("reference", reference, 0, parameters.response_max)
     limits = thresholds(settings, int(reference), parameters)
-    adapted = next_threshold(responses, limits, parameters, settings)
+    adapted = next_threshold(image, responses, limits, parameters, settings)
     limits = thresholds(settings, int(reference), parameters, adapted)
-    records = frame_records(responses, limits, parameters, settings.report_rejected)
+    records = frame_records(image, responses, limits, parameters, settings.report_rejected)
     return decode(within_budget(records, settings))
 
 
@@ -199,11 +205,11 @@ class StreamModel:
         maximum = int(responses.max())
         reference = choose_reference(settings, self._previous_maximum)
         limits = thresholds(settings, reference, self.parameters, self._adapted)
-        every = frame_records(responses, limits, self.parameters, settings.report_rejected)
+        every = frame_records(image, responses, limits, self.parameters, settings.report_rejected)
         records = within_budget(every, settings)
         end = encode_frame_end(FrameEnd(len(records), self._frame, maximum))
         self._previous_maximum = maximum
-        self._adapted = next_threshold(responses, limits, self.parameters, settings)
+        self._adapted = next_threshold(image, responses, limits, self.parameters, settings)
         self._frame += 1
         words = np.append(records, np.uint64(end))
         return FrameResult(words, decode(records), maximum, len(every), limits.t1)

@@ -1,4 +1,4 @@
-"""Divider (Sec. 4.4): quotients of at most one half, rounded to 1/128.
+"""Divider (Sec. 4.4): quotients up to a limit, rounded to 1/128.
 
 The paper looks reciprocals up in a table. Here the quotient's bits are found one after the other, each by one
 subtraction, as in the square root: with a few clocks for each corner that takes fewer cells than the table's
@@ -12,20 +12,32 @@ from numpy.typing import NDArray
 
 from golden.parameters import OFFSET_BITS
 
-QUOTIENT_BITS = OFFSET_BITS + 1
-"""Bits found: one more than the result has, to round by."""
-
 HALF = 1 << (OFFSET_BITS - 1)
-"""One half, the largest quotient, in units of 1/128."""
+"""One half in units of 1/128: the largest quotient of a surface's peak."""
 
 Int64 = NDArray[np.int64]
 
 
-def divide(numerator: Int64, denominator: Int64) -> Int64:
-    """numerator / denominator in units of 1/128, rounded to nearest, halves away from zero; at most one half.
+def quotient_bits(limit: int) -> int:
+    """Bits found for quotients up to ``limit``, a power of two: one more than the result has, to round by."""
+    return limit.bit_length() + 1
 
-    numerator of either sign, ``|numerator| < 2**54``; denominator positive.
+
+QUOTIENT_BITS = quotient_bits(HALF)
+
+
+def divide(numerator: Int64, denominator: Int64, limit: int = HALF) -> Int64:
+    """numerator / denominator in units of 1/128, rounded to nearest, halves away from zero; at most ``limit``.
+
+    numerator of either sign, ``|numerator| < 2**54``; denominator positive; limit a power of two of 1/128.
     """
     magnitude = np.abs(numerator)
-    quotient = np.where(2 * magnitude >= denominator, 2 * HALF, (magnitude << QUOTIENT_BITS) // denominator)
-    return np.sign(numerator) * ((quotient + 1) >> 1)
+    halves = np.where(
+        reaches(numerator, denominator, limit), 2 * limit, (magnitude << (OFFSET_BITS + 1)) // denominator
+    )
+    return np.sign(numerator) * ((halves + 1) >> 1)
+
+
+def reaches(numerator: Int64, denominator: Int64, limit: int) -> NDArray[np.bool_]:
+    """Is the quotient's size ``limit`` or more?"""
+    return np.abs(numerator) << OFFSET_BITS >= limit * denominator

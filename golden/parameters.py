@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args
 
 Gradient = Literal["absolute", "signed"]
 Ties = Literal["strict", "first"]
-Fit = Literal["nine", "six", "printed"]
+Fit = Literal["nine", "six", "printed", "gradient"]
 Patches = Literal["regions", "pixels"]
 Buffering = Literal["banked", "lean"]
 Reference = Literal["previous", "constant"]
@@ -88,7 +88,9 @@ class Parameters:
     fit
         Quadratic surface for the subpixel step: least squares over ``"nine"`` samples, the exact
         surface through the paper's ``"six"``, or the formulas literally as ``"printed"`` (Eqs. 11-13;
-        golden model only, because they cannot recover even an exact paraboloid).
+        golden model only, because they cannot recover even an exact paraboloid). ``"gradient"`` fits no
+        surface: one step towards the point that the gradients of the 7x7 window around the candidate are
+        orthogonal to, always with signed products; takes pixels along with the responses.
     patches
         Fig. 5 of the texture filter: ``"regions"``: patch k is the four 3x3 regions at the corners of
         the (2k+3)x(2k+3) square; ``"pixels"``: four single diagonal pixels at radius k.
@@ -295,7 +297,7 @@ class Settings:
 
 PROFILES: dict[str, Parameters] = {
     "paper": Parameters(),
-    "robust": Parameters(gradient="signed", ties="first", buffering="lean"),
+    "robust": Parameters(gradient="signed", ties="first", fit="gradient", buffering="lean"),
 }
 
 

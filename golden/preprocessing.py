@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from golden.parameters import Gradient
 
 Image = NDArray[np.unsignedinteger[Any]]
-"""(height, width), unsigned pixels."""
+"""(height, width) or windows (..., height, width), unsigned pixels."""
 IntArray = NDArray[np.signedinteger[Any]]
 
 
@@ -19,11 +19,11 @@ def gradients(image: Image) -> tuple[IntArray, IntArray]:
 
         gx = I(x-1, y) - I(x+1, y)        gy = I(x, y-1) - I(x, y+1)
 
-    Returns two (height-2, width-2) int16 arrays: the outermost pixels have no gradient.
+    Returns two (..., height-2, width-2) int16 arrays: the outermost pixels have no gradient.
     """
     pixels = image.astype(np.int16)
-    gx = pixels[1:-1, :-2] - pixels[1:-1, 2:]
-    gy = pixels[:-2, 1:-1] - pixels[2:, 1:-1]
+    gx = pixels[..., 1:-1, :-2] - pixels[..., 1:-1, 2:]
+    gy = pixels[..., :-2, 1:-1] - pixels[..., 2:, 1:-1]
     return gx, gy
 
 

@@ -139,6 +139,20 @@ def peak(coefficients: Map, printed: bool = False) -> tuple[float, float, Flag]:
     return float(np.clip(dx, -0.5, 0.5)), float(np.clip(dy, -0.5, 0.5)), flag
 
 
+def gradient_step(pixels: NDArray[Any]) -> tuple[float, float, Flag]:
+    """(dx, dy) of the point to which the gradients of a 9x9 window of pixels are at right angles, and its flags.
+
+    One equation g·(q - p) = 0 for each of the 49 pixels p, solved by least squares; clamped to 4 pixels.
+    """
+    gx, gy = (g[1:-1, 1:-1].reshape(-1) for g in gradients(pixels))
+    v, u = (axis.reshape(-1) - 3 for axis in np.mgrid[:7, :7])
+    (dx, dy), _, rank, _ = np.linalg.lstsq(np.stack([gx, gy], axis=-1), gx * u + gy * v, rcond=None)
+    if rank < 2:
+        return 0.0, 0.0, Flag.NOT_MAXIMUM
+    flag = Flag.CLAMPED if max(abs(dx), abs(dy)) >= 4 else Flag(0)
+    return float(np.clip(dx, -4, 4)), float(np.clip(dy, -4, 4)), flag
+
+
 def reference_detect(
     image: NDArray[np.unsignedinteger[Any]],
     parameters: Parameters | None = None,
@@ -165,8 +179,11 @@ def reference_detect(
         textured = not texturization(responses, x, y, parameters.patches) < t2
         if textured and not settings.report_rejected:
             continue
-        coefficients = surface(responses[y - 1 : y + 2, x - 1 : x + 2], parameters.fit)
-        dx, dy, flag = peak(coefficients, printed=parameters.fit == "printed")
+        if parameters.fit == "gradient":
+            dx, dy, flag = gradient_step(image[y - 4 : y + 5, x - 4 : x + 5])
+        else:
+            coefficients = surface(responses[y - 1 : y + 2, x - 1 : x + 2], parameters.fit)
+            dx, dy, flag = peak(coefficients, printed=parameters.fit == "printed")
         found.append((x + dx, y + dy, responses[y, x], flag | (Flag.TEXTURED if textured else Flag(0))))
     columns = np.array(found, dtype=np.float64).reshape(-1, 4).T
     return Corners(x=columns[0], y=columns[1], response=columns[2], flags=columns[3].astype(np.uint8))

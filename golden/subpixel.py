@@ -1,20 +1,21 @@
-"""Subpixel refinement (Sec. 3.4): the peak of a quadratic surface fitted to the 3x3 responses."""
+"""Subpixel refinement (Sec. 3.4): the peak of a quadratic surface fitted to the 3x3 responses, or a gradient step."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.divider import divide
-from golden.parameters import Fit, Parameters
-from golden.preprocessing import IntArray
+from golden import normal_equations
+from golden.derivatives import Derivatives
+from golden.divider import HALF, divide, reaches
+from golden.parameters import OFFSET_BITS, Fit, Parameters
+from golden.preprocessing import Image, IntArray
 
 Int64 = NDArray[np.int64]
-T = TypeVar("T")
 
 
 class Surface(NamedTuple):
@@ -31,27 +32,17 @@ class Surface(NamedTuple):
 
 
 MANTISSA_BITS = 10
-"""Bits of the curvatures and slopes, beside their sign, that go into the products of Eq. 13."""
-
-
-class Derivatives(NamedTuple, Generic[T]):
-    """Second derivatives of the surface, those along an axis negated, and its slopes at the centre pixel.
-
-    xx = -2 L0, yy = -2 L1, xy = L2, x = L3, y = L4: at a maximum xx and yy are positive.
-    """
-
-    xx: T
-    yy: T
-    xy: T
-    x: T
-    y: T
+"""Bits of a surface's curvatures and slopes, beside their sign, that go into the products of Eq. 13."""
+STEP_MANTISSA_BITS = 12
+"""Those of the gradient step, whose two equations are closer to each other where an edge is much the stronger."""
 
 
 @dataclass(frozen=True)
 class Offset:
-    """Peak relative to the centre pixel: dx, dy in 1/128 pixel within ±64, and what became of the fit.
+    """Corner relative to the centre pixel: dx, dy in 1/128 pixel within ±:func:`offset_limit`, and what became of it.
 
-    clamped: the peak lies half a pixel away or more, along x or y. not_maximum: the surface has no peak.
+    clamped: it lies the limit away or more, along x or y. not_maximum: the surface has no peak, or all gradients
+    are parallel.
     """
 
     dx: Int64
@@ -107,8 +98,24 @@ FITS: dict[Fit, Callable[[IntArray], Surface]] = {
 }
 
 
+def offset_limit(fit: Fit) -> int:
+    """Largest offset along an axis, in 1/128 pixel.
+
+    A surface through 3x3 responses means nothing beyond half a pixel. A corner of the gradient step may lie
+    anywhere in its window and, where it is at its edge, a little outside.
+    """
+    return 4 << OFFSET_BITS if fit == "gradient" else HALF
+
+
+def mantissa_bits(fit: Fit) -> int:
+    """Bits of the five values, beside their sign, that go into the products of Eq. 13."""
+    return STEP_MANTISSA_BITS if fit == "gradient" else MANTISSA_BITS
+
+
 def derivative_bits(parameters: Parameters) -> int:
     """Width of the largest derivative that the fit can give, without its sign."""
+    if parameters.fit == "gradient":
+        return normal_equations.largest(parameters).bit_length()
     # each is a weighted sum of the samples: it is largest where only those with weights of one sign are not zero
     units = np.eye(9, dtype=np.int64).reshape(9, 3, 3)
     weights = np.stack(derivatives(FITS[parameters.fit](units)))
@@ -121,13 +128,13 @@ def derivatives(surface: Surface) -> Derivatives[Int64]:
     return Derivatives(-2 * surface.l0, -2 * surface.l1, surface.l2, surface.l3, surface.l4)
 
 
-def mantissas(values: Derivatives[Int64], bits: int) -> Derivatives[Int64]:
-    """The five values as block floating point: MANTISSA_BITS and a sign each, all with one exponent.
+def mantissas(values: Derivatives[Int64], bits: int, kept: int = MANTISSA_BITS) -> Derivatives[Int64]:
+    """The five values as block floating point: ``kept`` bits and a sign each, all with one exponent.
 
     The peak depends on ratios only. So all are shifted up until the largest, of ``bits`` bits at most, is at the
     top, or until nothing would be lost, and cut (rounded down).
     """
-    low = max(bits - MANTISSA_BITS, 0)
+    low = max(bits - kept, 0)
     largest = np.maximum.reduce([np.where(value < 0, ~value, value) for value in values])
     shift = np.minimum(bits - bit_length(largest), low)
     return Derivatives(*((value << shift) >> low for value in values))
@@ -138,33 +145,55 @@ def bit_length(values: Int64) -> Int64:
     return np.frexp(values.astype(np.float64))[1].astype(np.int64)
 
 
-def peak(values: Derivatives[Int64], bits: int, printed: bool = False) -> Offset:
-    """Stationary point of the surface (Eq. 13), kept only where it is a maximum, and within half a pixel.
+def peak(
+    values: Derivatives[Int64],
+    bits: int,
+    *,
+    printed: bool = False,
+    limit: int = HALF,
+    kept: int = MANTISSA_BITS,
+) -> Offset:
+    """Stationary point of the surface (Eq. 13), kept only where it is a maximum, and within ``limit``.
 
         dx = (2 L1 L3 - L2 L4) / (L2² - 4 L0 L1) = (yy·x + xy·y) / (xx·yy - xy²)
         dy = (2 L0 L4 - L2 L3) / (L2² - 4 L0 L1) = (xx·y + xy·x) / (xx·yy - xy²)
 
-    Where a curvature or the denominator has the wrong sign the offset is (0, 0); beyond half a pixel it is
-    clamped, each axis for itself. ``bits`` is the width of the largest value (:func:`derivative_bits`).
+    Where a curvature or the denominator has the wrong sign the offset is (0, 0); beyond the limit, in 1/128 pixel,
+    it is clamped, each axis for itself. ``bits`` is the width of the largest value (:func:`derivative_bits`),
+    ``kept`` that of the factors (:func:`mantissa_bits`).
 
     ``printed`` keeps the misprint 2 L1 L2 in the first numerator, and, as the paper, does not ask for a
     maximum: Eqs. 11 and 12 turn nearly every corner into a surface without one. It is clamped all the same.
     """
-    xx, yy, xy, x, y = mantissas(values, bits)
+    xx, yy, xy, x, y = mantissas(values, bits, kept)
     denominator = xx * yy - xy * xy
     usable = denominator != 0 if printed else (xx >= 0) & (denominator > 0)
     divisor = np.where(usable, np.abs(denominator), 1)
 
     def quotient(products: Int64) -> tuple[Int64, NDArray[np.bool_]]:
         numerator = np.where(usable, np.sign(denominator) * products, 0)
-        return divide(numerator, divisor), 2 * np.abs(numerator) >= divisor
+        return divide(numerator, divisor, limit), reaches(numerator, divisor, limit)
 
     dx, beyond_x = quotient(yy * (xy if printed else x) + xy * y)
     dy, beyond_y = quotient(xx * y + xy * x)
     return Offset(dx, dy, beyond_x | beyond_y, ~usable)
 
 
-def subpixel(patches: IntArray, parameters: Parameters) -> Offset:
-    """Offset of the peak for (..., 3, 3) response patches, by the fit of ``parameters``."""
-    values = derivatives(FITS[parameters.fit](patches))
-    return peak(values, derivative_bits(parameters), printed=parameters.fit == "printed")
+def subpixel(patches: IntArray, parameters: Parameters, pixels: Image | None = None) -> Offset:
+    """Offset of the corners around which (..., 3, 3) responses are given, by the fit of ``parameters``.
+
+    ``pixels``, (..., 9, 9) around the same places, are what ``fit="gradient"`` goes by, and only that.
+    """
+    if parameters.fit == "gradient":
+        if pixels is None:
+            raise ValueError('fit is "gradient", which needs pixels; allowed: (..., 9, 9) around each corner')
+        values = normal_equations.normal_equations(pixels)
+    else:
+        values = derivatives(FITS[parameters.fit](patches))
+    return peak(
+        values,
+        derivative_bits(parameters),
+        printed=parameters.fit == "printed",
+        limit=offset_limit(parameters.fit),
+        kept=mantissa_bits(parameters.fit),
+    )

@@ -233,7 +233,7 @@ class VideoModel:
         image = self._image(now)
         responses = response_map(image, self.parameters)
         limits = self._limits(now)
-        records = frame_records(responses, limits, self.parameters, now.settings.report_rejected)
+        records = frame_records(image, responses, limits, self.parameters, now.settings.report_rejected)
         maximum = int(responses.max())
         kept = within_budget(records, now.settings)[: now.max_records]
         self.dropped_records += len(records) - len(kept)
@@ -243,16 +243,16 @@ class VideoModel:
         end = encode_frame_end(FrameEnd(len(kept), self._frame, maximum))
         packet = Packet(np.append(kept, np.uint64(end)), self._frame, False, len(records), image)
         self._maximum = maximum
-        self._adapted = next_threshold(responses, limits, self.parameters, now.settings)
+        self._adapted = next_threshold(image, responses, limits, self.parameters, now.settings)
         self._end()
         return packet
 
     def _cut(self) -> Packet:
         assert self._now is not None
-        responses = response_map(self._image(self._now), self.parameters)
-        settings = self._now.settings
+        image, settings = self._image(self._now), self._now.settings
         records = frame_records(
-            responses,
+            image,
+            response_map(image, self.parameters),
             self._limits(self._now),
             self.parameters,
             settings.report_rejected,
@@ -260,9 +260,8 @@ class VideoModel:
         )
         self.events |= Event.FRAME_CUT
         pixels = np.array(self._pixels, pixel_dtype(self.parameters))
-        packet = Packet(
-            within_budget(records, settings)[: self._now.max_records], self._frame, True, 0, pixels
-        )
+        kept = within_budget(records, settings)[: self._now.max_records]
+        packet = Packet(kept, self._frame, True, 0, pixels)
         self._after, self._dropped, self._surplus = False, 0, False
         self._end()
         return packet

@@ -11,9 +11,9 @@ from amaranth.lib.wiring import In, Out
 from golden.output_constructor import COUNT_BITS
 from golden.parameters import BUDGET_BITS, COORDINATE_BITS, MARGIN, OFFSET_BITS, Parameters
 from hdl.corner_detection import corner_layout
+from hdl.derivatives import derivatives_layout
 from hdl.queue import Queue
 from hdl.stream import Beat
-from hdl.surface import derivatives_layout
 
 PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
 

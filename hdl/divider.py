@@ -1,10 +1,10 @@
-"""Divider (Sec. 4.4): quotients up to one half, a bit per clock."""
+"""Divider (Sec. 4.4): quotients up to a limit, a bit per clock."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.hdl import C, Cat, Module, Mux, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -12,15 +12,18 @@ from golden.divider import QUOTIENT_BITS
 
 
 class Divider(wiring.Component):
-    """floor(256 · numerator / denominator), or 128 if that is more: the magnitude in ``golden.divider.divide``.
+    """floor(256 · numerator / denominator), or the limit if that is more: the magnitude in ``golden.divider.divide``.
 
     Restoring division: the remainder is doubled, and what is left after taking the denominator off, if it can be
-    taken, is the next remainder. After the clock of ``load`` it takes ``QUOTIENT_BITS`` enabled clocks.
+    taken, is the next remainder. After the clock of ``load`` it takes ``quotient_bits`` enabled clocks. A limit
+    above one half is one half of a denominator as many places further up.
 
     Parameters
     ----------
     bits
         Width of numerator and denominator.
+    quotient_bits
+        As ``golden.divider.quotient_bits`` says for the limit. By default this is one half.
 
     Members
     -------
@@ -31,20 +34,21 @@ class Divider(wiring.Component):
     numerator, denominator
         Unsigned. The denominator, not 0, must stay until the last bit is found.
     quotient
-        In units of 1/256, 0 to 128.
+        In units of 1/256, 0 to the limit.
     reached
-        The quotient was cut: it is one half or more.
+        The quotient was cut: it is the limit or more.
     """
 
-    def __init__(self, bits: int) -> None:
-        self._bits = bits
+    def __init__(self, bits: int, quotient_bits: int = QUOTIENT_BITS) -> None:
+        self._places = quotient_bits - QUOTIENT_BITS
+        self._bits = bits + self._places
         super().__init__(
             {
                 "load": In(1),
                 "enable": In(1),
                 "numerator": In(bits),
                 "denominator": In(bits),
-                "quotient": Out(QUOTIENT_BITS),
+                "quotient": Out(quotient_bits),
                 "reached": Out(1),
             }
         )
@@ -53,12 +57,13 @@ class Divider(wiring.Component):
         m = Module()
         remainder = Signal(self._bits, reset_less=True)
         doubled = remainder << 1
+        denominator = Cat(C(0, self._places), self.denominator) if self._places else self.denominator
         left = Signal(self._bits + 2)
         fits = ~left[-1]
         # a first bit that is set is one half already: no further bit may follow
         first, bit = Signal(), Signal()
         m.d.comb += [
-            left.eq(doubled - self.denominator),
+            left.eq(doubled - denominator),
             bit.eq(fits & ~self.reached),
         ]
         with m.If(self.load):

@@ -27,7 +27,7 @@ class OutputConstructor(wiring.Component):
     note
         Stream of ``note_layout(parameters)``.
     offset
-        Stream of ``offset_layout()``, one for each note but an end.
+        Stream of ``offset_layout(parameters.fit)``, one for each note but an end.
     maximum
         Stream of each frame's largest response, taken at its end.
     o
@@ -43,7 +43,7 @@ class OutputConstructor(wiring.Component):
         super().__init__(
             {
                 "note": In(stream.Signature(note_layout(parameters))),
-                "offset": In(stream.Signature(offset_layout())),
+                "offset": In(stream.Signature(offset_layout(parameters.fit))),
                 "maximum": In(stream.Signature(unsigned(parameters.response_bits))),
                 "o": Out(stream.Signature(record_layout())),
                 **({"found": Out(COUNT_BITS)} if parameters.budget else {}),

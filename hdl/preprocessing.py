@@ -27,7 +27,7 @@ def sizes_layout(parameters: Parameters) -> data.StructLayout:
 
 
 class Preprocessing(wiring.Component):
-    """Sizes of the gradients, and of their difference, of five pixels above each other.
+    """Sizes of the gradients, and of their difference, of five pixels above each other, or another number.
 
     Takes columns of seven rows of pixels, delivers rows two positions shorter. The gradients of a pixel are made
     anew for each of the five rows of the smoothing window that it passes: pixels wait in less memory.
@@ -37,23 +37,31 @@ class Preprocessing(wiring.Component):
 
     The size of the difference comes from an adder, not from a register: the next block should not compute with it.
 
+    Parameters
+    ----------
+    parameters
+        Of the detector; ``pixel_bits`` and ``gradient`` matter.
+    rows
+        Rows of pixels.
+
     Members
     -------
     i
-        Stream of ``Columns(unsigned(pixel_bits), 7)``.
+        Stream of ``Columns(unsigned(pixel_bits), rows)``.
     o
-        Stream of ``Columns(sizes_layout(parameters), 5)``.
+        Stream of ``Columns(sizes_layout(parameters), rows - 2)``.
     """
 
     latency = 2
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Parameters, rows: int = PIXEL_ROWS) -> None:
         self._signed = parameters.gradient == "signed"
+        self._rows = rows
         pixel = unsigned(parameters.pixel_bits)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(pixel, PIXEL_ROWS))),
-                "o": Out(stream.Signature(Columns(sizes_layout(parameters), SMOOTHING_SIZE))),
+                "i": In(stream.Signature(Columns(pixel, rows))),
+                "o": Out(stream.Signature(Columns(sizes_layout(parameters), rows - 2))),
             }
         )
 
@@ -83,9 +91,9 @@ class Preprocessing(wiring.Component):
     def _gradients(self, pipe: Pipeline) -> list[tuple[Signal, Signal]]:
         """gx and gy by row, with their signs. The window's centre is one column behind the newest."""
         newest = self.i.payload.data
-        centre = [pipe.register(newest[row], f"centre_{row}", when=pipe.valid) for row in range(PIXEL_ROWS)]
+        centre = [pipe.register(newest[row], f"centre_{row}", when=pipe.valid) for row in range(self._rows)]
         gradients = []
-        for row in range(1, PIXEL_ROWS - 1):
+        for row in range(1, self._rows - 1):
             left = pipe.register(centre[row], f"left_{row}", when=pipe.valid)
             gx = pipe.register(left - newest[row], f"gx_{row - 1}")
             gy = pipe.register(centre[row - 1] - centre[row + 1], f"gy_{row - 1}")

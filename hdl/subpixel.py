@@ -1,6 +1,6 @@
 # amaranth: UnusedElaboratable=no
 # the dividers are made at once, because their formats are part of the unit's, and elaborated perhaps never
-"""Subpixel refinement (Sec. 3.4, Fig. 13): the peak of a candidate's surface (Eq. 13), a bit per clock."""
+"""Subpixel refinement (Sec. 3.4, Fig. 13): a candidate's offset out of two equations (Eq. 13), a bit per clock."""
 
 from __future__ import annotations
 
@@ -10,22 +10,23 @@ from amaranth.hdl import Cat, Module, Mux, Signal, Value, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.divider import QUOTIENT_BITS
-from golden.parameters import OFFSET_BITS, Parameters
-from golden.subpixel import MANTISSA_BITS, Derivatives, derivative_bits
+from golden.derivatives import Derivatives
+from golden.divider import quotient_bits
+from golden.parameters import Fit, Parameters
+from golden.subpixel import derivative_bits, mantissa_bits, offset_limit
 from hdl.arithmetic import add_with_carry, magnitude
+from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.divider import Divider
-from hdl.surface import FORMATS, derivatives_layout
 
 
-def offset_layout() -> data.StructLayout:
-    """Offset of the peak in 1/128 pixel, -64 to 64, and what became of the fit."""
-    offset = signed(OFFSET_BITS + 1)
+def offset_layout(fit: Fit = "nine") -> data.StructLayout:
+    """Offset in 1/128 pixel, at most ``golden.subpixel.offset_limit(fit)`` either way, and what became of the fit."""
+    offset = signed(quotient_bits(offset_limit(fit)))
     return data.StructLayout({"dx": offset, "dy": offset, "clamped": 1, "not_maximum": 1})
 
 
 class Subpixel(wiring.Component):
-    """Offset of the peak of the surface fitted to a candidate's 3x3 responses.
+    """Offset of a candidate's corner: the peak of the surface fitted to its 3x3 responses, or the gradient step.
 
     Three stages, each with a candidate of its own: the derivatives are shifted up until the largest is at the
     top; products of mantissas are added up bit by bit; both quotients are found bit by bit. All move on
@@ -36,27 +37,30 @@ class Subpixel(wiring.Component):
     i
         Stream of ``derivatives_layout(parameters)``.
     o
-        Stream of ``offset_layout()``.
+        Stream of ``offset_layout(parameters.fit)``.
     """
 
     def __init__(self, parameters: Parameters) -> None:
         layout = derivatives_layout(parameters)
+        self._fit = parameters.fit
         self._formats = FORMATS[parameters.fit]
-        self._shifts = max(derivative_bits(parameters) - MANTISSA_BITS, 0)
-        # sums of two products, each below 2**(2·MANTISSA_BITS)
-        self._quotient_bits = 2 * MANTISSA_BITS + 1
-        self._dividers = {axis: Divider(self._quotient_bits) for axis in "xy"}
+        self._mantissa_bits = mantissa_bits(parameters.fit)
+        self._shifts = max(derivative_bits(parameters) - self._mantissa_bits, 0)
+        # sums of two products, each below 2**(2·mantissa bits)
+        self._sum_bits = 2 * self._mantissa_bits + 1
+        self._quotient_bits = quotient_bits(offset_limit(parameters.fit))
+        self._dividers = {axis: Divider(self._sum_bits, self._quotient_bits) for axis in "xy"}
         super().__init__(
             {
                 "i": In(stream.Signature(layout)),
-                "o": Out(stream.Signature(offset_layout())),
+                "o": Out(stream.Signature(offset_layout(parameters.fit))),
             }
         )
 
     @property
     def interval(self) -> int:
         """Clocks from one candidate to the next."""
-        return 1 + max(self._shifts, MANTISSA_BITS + 2, QUOTIENT_BITS)
+        return 1 + max(self._shifts, self._mantissa_bits + 2, self._quotient_bits)
 
     @property
     def latency(self) -> int:
@@ -95,7 +99,7 @@ class Subpixel(wiring.Component):
 
     def _shift(self, m: Module, move: Value, phase: Value) -> Derivatives[Value]:
         """Shift until the largest derivative is at the top: a sign bit and the one below it differ."""
-        bits = self._shifts + MANTISSA_BITS + 1
+        bits = self._shifts + self._mantissa_bits + 1
         values, normal, shifting = [], Signal(), Signal()
         m.d.sync += shifting.eq((move & (self._shifts > 0)) | (phase < self._shifts - 1))
         for name, form in self._formats._asdict().items():
@@ -112,12 +116,13 @@ class Subpixel(wiring.Component):
         self, m: Module, move: Value, phase: Value, mantissas: Derivatives[Value]
     ) -> dict[str, Value]:
         """yy·x + xy·y, xx·y + xy·x and xx·yy - xy², by the bits of yy, xx and xy from the lowest to the sign."""
+        bits = self._mantissa_bits
         kept = {}
         for name in ("yy", "xy", "x", "y"):
-            kept[name] = Signal(signed(MANTISSA_BITS + 1), name=f"{name}_kept", reset_less=True)
+            kept[name] = Signal(signed(bits + 1), name=f"{name}_kept", reset_less=True)
         scanned = {}
         for name in ("xx", "yy", "xy"):
-            scanned[name] = Signal(MANTISSA_BITS + 1, name=f"{name}_scanned", reset_less=True)
+            scanned[name] = Signal(bits + 1, name=f"{name}_scanned", reset_less=True)
         with m.If(move):
             m.d.sync += [signal.eq(getattr(mantissas, name)) for name, signal in kept.items()]
             m.d.sync += [signal.eq(getattr(mantissas, name)) for name, signal in scanned.items()]
@@ -126,7 +131,7 @@ class Subpixel(wiring.Component):
 
         active, sign = Signal(), Signal()
         # what a bit adds is a register, taken in a clock later
-        m.d.sync += [sign.eq(phase == MANTISSA_BITS - 1), active.eq(phase <= MANTISSA_BITS)]
+        m.d.sync += [sign.eq(phase == bits - 1), active.eq(phase <= bits)]
         results = {}
         for name, first, factor, second in (
             ("x", "yy", "x", "y"),
@@ -135,12 +140,12 @@ class Subpixel(wiring.Component):
         ):
             # the sign bit of xy counts negative; xx and yy have none where the result is used
             subtract = ~sign if name == "denominator" else sign
-            added = kept[factor].as_unsigned() & scanned[first][0].replicate(MANTISSA_BITS + 1)
-            other = kept[second].as_unsigned() & scanned["xy"][0].replicate(MANTISSA_BITS + 1)
-            other ^= subtract.replicate(MANTISSA_BITS + 1)
-            both = Signal(signed(MANTISSA_BITS + 2), name=f"{name}_both", reset_less=True)
+            added = kept[factor].as_unsigned() & scanned[first][0].replicate(bits + 1)
+            other = kept[second].as_unsigned() & scanned["xy"][0].replicate(bits + 1)
+            other ^= subtract.replicate(bits + 1)
+            both = Signal(signed(bits + 2), name=f"{name}_both", reset_less=True)
             m.d.sync += both.eq(add_with_carry(added.as_signed(), other.as_signed(), subtract))
-            results[name] = _accumulate(m, both, name, clear=move, enable=active)
+            results[name] = _accumulate(m, both, bits, name, clear=move, enable=active)
         return results
 
     def _divide(
@@ -150,7 +155,7 @@ class Subpixel(wiring.Component):
 
         Where a numerator is the least there can be, which has no magnitude, the surface has no peak.
         """
-        bits = self._quotient_bits
+        bits, found = self._sum_bits, self._quotient_bits
         concave, peak = Signal(reset_less=True), Signal(reset_less=True)
         denominator = Signal(bits, reset_less=True)
         with m.If(move):
@@ -159,7 +164,7 @@ class Subpixel(wiring.Component):
                 peak.eq(concave & ~sums["denominator"][-1] & sums["denominator"].any()),
                 denominator.eq(sums["denominator"]),
             ]
-        offset = Signal(offset_layout())
+        offset = Signal(offset_layout(self._fit))
         reached = []
         for axis, divider in self._dividers.items():
             m.submodules[f"divider_{axis}"] = divider
@@ -168,24 +173,24 @@ class Subpixel(wiring.Component):
                 m.d.sync += negative.eq(sums[axis][-1])
             m.d.comb += [
                 divider.load.eq(move),
-                divider.enable.eq(phase < QUOTIENT_BITS),
+                divider.enable.eq(phase < found),
                 divider.numerator.eq(magnitude(sums[axis][: bits + 1].as_signed())),
                 divider.denominator.eq(denominator),
             ]
             # half of it, rounded away from zero: for a negative one, minus the quotient rounded down
-            rounded = Cat(divider.quotient ^ negative.replicate(QUOTIENT_BITS), negative) + 1
-            result = rounded[1 : QUOTIENT_BITS + 1] & peak.replicate(QUOTIENT_BITS)
+            rounded = Cat(divider.quotient ^ negative.replicate(found), negative) + 1
+            result = rounded[1 : found + 1] & peak.replicate(found)
             m.d.comb += offset[f"d{axis}"].eq(result)
             reached.append(divider.reached)
         m.d.comb += [offset.clamped.eq(peak & (reached[0] | reached[1])), offset.not_maximum.eq(~peak)]
         return offset
 
 
-def _accumulate(m: Module, added: Signal, name: str, *, clear: Value, enable: Value) -> Value:
+def _accumulate(m: Module, added: Signal, bits: int, name: str, *, clear: Value, enable: Value) -> Value:
     """Sum of ``added`` · 2**k over the k-th clocks of ``enable``: in each, one more bit of it is final."""
-    high = Signal(signed(MANTISSA_BITS + 3), name=f"{name}_high", reset_less=True)
-    low = Signal(MANTISSA_BITS + 1, name=f"{name}_low", reset_less=True)
-    partial = (high + added)[: MANTISSA_BITS + 4]
+    high = Signal(signed(bits + 3), name=f"{name}_high", reset_less=True)
+    low = Signal(bits + 1, name=f"{name}_low", reset_less=True)
+    partial = (high + added)[: bits + 4]
     with m.If(clear):
         m.d.sync += high.eq(0)
     with m.Elif(enable):

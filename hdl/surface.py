@@ -2,42 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
-from amaranth.hdl import Cat, Module, Value, signed, unsigned
-from amaranth.lib import data, stream, wiring
+from amaranth.hdl import Cat, Module, Value, unsigned
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import Fit, Parameters
-from golden.subpixel import Derivatives
+from golden.derivatives import Derivatives
+from golden.parameters import Parameters
+from hdl.derivatives import derivatives_layout
 from hdl.stream import Columns, Pipeline, WindowCounter
-
-
-class Format(NamedTuple):
-    """How hardware holds a derivative: without ``zeros`` low bits, the rest at most ``largest`` full responses."""
-
-    zeros: int
-    largest: int
-
-
-FORMATS: dict[Fit, Derivatives[Format]] = {
-    "nine": Derivatives(Format(2, 6), Format(2, 6), Format(0, 6), Format(1, 3), Format(1, 3)),
-    "six": Derivatives(Format(1, 5), Format(1, 2), Format(0, 2), Format(0, 1), Format(0, 2)),
-}
-"""Of golden.subpixel.derivatives."""
-
-
-def derivatives_layout(parameters: Parameters) -> data.StructLayout:
-    """``golden.subpixel.Derivatives``, each signed and without the low bits that are always zero."""
-    if parameters.fit not in FORMATS:
-        raise ValueError(f"fit is {parameters.fit!r}; allowed in hardware: {', '.join(FORMATS)}")
-    formats = FORMATS[parameters.fit]._asdict()
-    return data.StructLayout(
-        {
-            name: signed((form.largest * parameters.response_max).bit_length() + 1)
-            for name, form in formats.items()
-        }
-    )
 
 
 class SurfaceFit(wiring.Component):

@@ -14,7 +14,7 @@ from amaranth.sim import Simulator
 
 from golden.parameters import MARGIN, Parameters
 from hdl.candidate_selection import INSIDE, CandidateSelection, note_layout
-from hdl.surface import derivatives_layout
+from hdl.derivatives import derivatives_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls, Stimulus
 from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Array, Size, Words, engine, pack, same, tags, unpack

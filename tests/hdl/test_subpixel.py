@@ -11,8 +11,8 @@ import pytest
 from golden.parameters import Fit, Parameters
 from golden.subpixel import FITS as GOLDEN_FITS
 from golden.subpixel import Derivatives, Int64, derivative_bits, derivatives, peak
+from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.subpixel import Subpixel, offset_layout
-from hdl.surface import FORMATS, derivatives_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
 from tests.hdl.blocks import (

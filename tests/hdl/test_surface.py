@@ -12,7 +12,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 from golden.parameters import Fit, Parameters
 from golden.subpixel import FITS as GOLDEN_FITS
 from golden.subpixel import derivative_bits, derivatives
-from hdl.surface import FORMATS, SurfaceFit, derivatives_layout
+from hdl.derivatives import FORMATS, derivatives_layout
+from hdl.surface import SurfaceFit
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
 from tests.hdl.blocks import (

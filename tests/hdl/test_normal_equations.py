@@ -1,0 +1,97 @@
+# amaranth: UnusedElaboratable=no
+"""Normal equations of the gradient step against the golden model, behind preprocessing, every pixel width."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from amaranth.hdl import unsigned
+from numpy.lib.stride_tricks import sliding_window_view
+
+from golden.normal_equations import LARGEST, PIXEL_SIZE, largest, normal_equations
+from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Parameters
+from golden.subpixel import derivative_bits
+from hdl.derivatives import derivatives_layout
+from hdl.gradient_step import GradientStep
+from hdl.normal_equations import NormalEquations
+from hdl.stream import Columns
+from sim.engine import EngineName
+from sim.stimulus import Stalls
+from tests.hdl.blocks import (
+    NO_STALLS,
+    RUN_IDS,
+    RUNS,
+    Array,
+    Words,
+    assert_timing,
+    columns,
+    completing,
+    engine,
+    extremes,
+    noise,
+    pack,
+    run,
+)
+from tests.photographs import photograph
+
+STEP = Parameters(fit="gradient")
+SIZES = [(9, 9), (16, 17), (9, 30), (24, 10), (10, 9)]
+
+
+def streams(frames: list[Array], parameters: Parameters) -> tuple[dict[str, Words], dict[str, Words]]:
+    windows = [
+        sliding_window_view(frame, (PIXEL_SIZE, PIXEL_SIZE)).reshape(-1, PIXEL_SIZE, PIXEL_SIZE)
+        for frame in frames
+    ]
+    expected = normal_equations(np.concatenate(windows))
+    given = pack(Columns(unsigned(parameters.pixel_bits), PIXEL_SIZE), columns(frames, PIXEL_SIZE))
+    return {"i": given}, {"o": pack(derivatives_layout(parameters), expected._asdict())}
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+def test_sums(name: EngineName, stalls: Stalls) -> None:
+    shapes = SIZES if name == "compiled" else [*SIZES[:1], (11, 12)]
+    frames = noise(shapes, 255, dtype=np.uint8)
+    given, expected = streams(frames, STEP)
+    capture = run(engine(name, GradientStep, STEP), given, expected, stalls)
+    if stalls == NO_STALLS:
+        beats = completing([(height - 8, width) for height, width in shapes], PIXEL_SIZE)
+        assert_timing(capture, GradientStep(STEP).latency, beats)
+
+
+@pytest.mark.parametrize("pixel_bits", range(MIN_PIXEL_BITS, MAX_PIXEL_BITS + 1))
+def test_extremes(pixel_bits: int) -> None:
+    """Black and white of all pixel widths, and gradients all of one size and sign."""
+    parameters = replace(STEP, pixel_bits=pixel_bits)
+    top = parameters.pixel_max
+    frames = extremes((12, 14), top, dtype=np.uint16)
+    y, x = np.mgrid[:12, :14]
+    for slope in (x + y, x - y, x, y):
+        frames += [np.where(slope % 4 < 2, top, 0).astype(np.uint16)]
+        frames += [np.where(slope % 4 < 2, 0, top).astype(np.uint16)]
+    frames += noise([(60, 70)], top, 1, dtype=np.uint16)
+    given, expected = streams(frames, parameters)
+    run(engine("compiled", GradientStep, parameters), given, expected)
+
+
+def test_photograph() -> None:
+    frames = [photograph("camera")[100:220, 180:340], photograph("brick")[:80, :90]]
+    given, expected = streams(frames, STEP)
+    run(engine("compiled", GradientStep, STEP), given, expected, Stalls(inputs=0.2, outputs=0.2, seed=3))
+
+
+def test_formats_hold_what_the_formulas_can_give() -> None:
+    """The bound of x and of y is reached with gradients that all point away from, or to, the lines u = ±v."""
+    u, v = np.meshgrid(np.arange(-3, 4), np.arange(-3, 4))
+    assert int((np.abs(u) + np.abs(v)).sum()) == LARGEST
+    assert largest(STEP).bit_length() == derivative_bits(STEP)
+    widths = {name: field.width for name, field in derivatives_layout(STEP)}
+    assert widths["x"] == widths["y"] == derivative_bits(STEP) + 1
+    assert widths["xx"] == widths["yy"] == widths["xy"] == (49 * 255**2).bit_length() + 1
+
+
+def test_latency() -> None:
+    """Look-up 2, down the column 3, C 1, what enters and leaves 1, changes 1, sums 1, moments 1."""
+    assert NormalEquations.latency == 10
