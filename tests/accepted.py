@@ -19,7 +19,8 @@ def accepted(image: Image, limits: Thresholds, parameters: Parameters) -> NDArra
     """Where a whole pixel is a corner that the texture filter lets pass."""
     responses = response_map(image, parameters)
     inner = MARGIN - RESPONSE_MARGIN
-    corners = corner_detection(responses, limits.t1, parameters.ties)[inner - 1 :, inner - 1 :]
+    edge = inner - parameters.suppression
+    corners = corner_detection(responses, limits.t1, parameters.ties, parameters.suppression)[edge:, edge:]
     plain = texture_filter(
         sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE)), limits.t2, parameters.patches
     )

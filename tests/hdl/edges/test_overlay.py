@@ -57,7 +57,7 @@ def test_pixels_and_corners(parameters: Parameters, stalls: Stalls) -> None:
     changes, start, expected = [], 0, []
     for image in images:
         video = video_settings(parameters, image.shape[1], image.shape[0])
-        changes.append((start, levels(video)))
+        changes.append((start, levels(video, parameters)))
         expected += beats_of(image, parameters, video.settings)
         start += image.size
     assert sum(corner for _, corner, _, _ in expected) > 20
@@ -74,7 +74,7 @@ def test_full_rate_at_the_built_maximum(parameters: Parameters) -> None:
     images = [photograph(name)[:MAX_HEIGHT, :MAX_WIDTH] for name in ("camera", "brick", "grass")]
     video = video_settings(parameters, MAX_WIDTH, MAX_HEIGHT)
     words = payloads([beat for image in images for beat in marked(image)], parameters)
-    capture = runner.run(Stimulus({"video": words}, [(0, levels(video))]), quiet=20 * MAX_WIDTH)
+    capture = runner.run(Stimulus({"video": words}, [(0, levels(video, parameters))]), quiet=20 * MAX_WIDTH)
     clocks = capture.input_clocks["video"]
     assert clocks[-1] - clocks[0] + 1 == len(clocks)
     assert len(capture.outputs["overlay"]) == len(words)
@@ -89,7 +89,7 @@ def test_malformed_video_comes_out_cut_and_then_exact(parameters: Parameters, st
     frames = random_video(random, 100, width, height)
     video = video_settings(parameters, width, height)
     beats = [beat for _, frame in frames.frames for beat in frame]
-    stimulus = Stimulus({"video": payloads(beats, parameters)}, [(0, levels(video))], stalls)
+    stimulus = Stimulus({"video": payloads(beats, parameters)}, [(0, levels(video, parameters))], stalls)
     capture = runner.run(stimulus, quiet=2000)
     got = shown(capture.outputs["overlay"])
     starts = [k for k, (_, _, sof, _) in enumerate(got) if sof] + [len(got)]
