@@ -1,13 +1,13 @@
 """Adaptation of T1 to a target: the threshold that would have left so many corners of the frame before.
 
-All corners of a frame that the texture filter keeps (or that are reported nevertheless), however small their D, are
-counted into a histogram of D. Its bins are those of a floating-point number: four to the octave, twice as wide from
-octave to octave; below the lowest octave four more of that one's width. The next frame's T1 is read off it: from the
-largest D downwards the bins are added up to the one in which the target is reached, and within that, as if its
-corners lay evenly, to an eighth of its width.
+All corners of a frame that the texture filter keeps, however small their D, are counted into a histogram of D. Its
+bins are those of a floating-point number: four to the octave, twice as wide from octave to octave; below the lowest
+octave four more of that one's width. The next frame's T1 is read off it: from the largest D downwards the bins are
+added up to the one in which the target is exceeded, and within that, as if its corners lay evenly, to 1/32 of its
+width.
 
 The histogram does not depend on T1, so there is no loop that could swing: T1 is a function of the last complete frame
-and its target alone. Of a still scene's next frame, no more corners are left than the target and what a bin holds.
+and its target alone. If the next frame has the same corners, it misses the target by no more than are in that bin.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from golden.preprocessing import IntArray
 
 BINS_PER_OCTAVE = 4
 MAX_OCTAVES = 11
-STEPS = 3
+STEPS = 5
 """Bits of the place within a bin."""
 COUNT_MAX = (1 << BUDGET_BITS) - 1
 """Where the count in a bin stops, as no target is larger."""
 
 
 def octaves(parameters: Parameters) -> int:
-    """Octaves of D below full scale that have bins of their own; the smallest bin is at least 8 wide."""
+    """Octaves of D below full scale that have bins of their own; the smallest bin is 8 wide or 16."""
     return min(MAX_OCTAVES, parameters.response_bits - 5)
 
 
@@ -56,7 +56,7 @@ def adapted_threshold(counts: NDArray[np.int64], target: int, parameters: Parame
     """T1, with D > T1 of about ``target`` corners; 0 if there are no more than that.
 
     need is how many are wanted of the bin that is looked at, and is smaller than its count in the one where the
-    descent ends. Its eighths are found as a divider finds its bits.
+    descent ends. How much of that is wanted is found as a divider finds its bits.
     """
     edges = bin_edges(parameters)
     need = target

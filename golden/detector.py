@@ -68,6 +68,14 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
     return result
 
 
+def corner_map(responses: IntArray, t1: int, parameters: Parameters) -> NDArray[np.bool_]:
+    """E of all pixels that can be reported, from all responses: (height, width) in, (height-8, width-8) out."""
+    edge = WINDOW_SIZE // 2 - parameters.suppression
+    height, width = responses.shape
+    reportable = responses[edge : height - edge, edge : width - edge]
+    return corner_detection(reportable, t1, parameters.ties, parameters.suppression)
+
+
 def frame_records(
     image: Image,
     responses: IntArray,
@@ -82,14 +90,10 @@ def frame_records(
     With ``pixels``, only of those whose whole support lies in the frame's first so many pixels, in raster order.
     """
     inner = MARGIN - RESPONSE_MARGIN
-    edge = inner - parameters.suppression
-    height, width = responses.shape
-    reportable = responses[edge : height - edge, edge : width - edge]
-    corners = corner_detection(reportable, limits.t1, parameters.ties, parameters.suppression)
-    rows, columns = np.nonzero(corners)
+    rows, columns = np.nonzero(corner_map(responses, limits.t1, parameters))
     if pixels is not None:
-        pitch = width + 2 * RESPONSE_MARGIN
-        decided = (rows + 2 * MARGIN) * pitch + columns + 2 * MARGIN < pixels
+        width = responses.shape[1] + 2 * RESPONSE_MARGIN
+        decided = (rows + 2 * MARGIN) * width + columns + 2 * MARGIN < pixels
         rows, columns = rows[decided], columns[decided]
     windows = sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
     textured = ~texture_filter(windows, limits.t2, parameters.patches)
@@ -113,13 +117,13 @@ def next_threshold(
 ) -> int | None:
     """T1 that a frame asks for, so that its target would have been met; None if it has no target.
 
-    Counted is what would be reported without T1 and without ``max_corners``.
+    Counted are the corners that the texture filter keeps, with or without ``report_rejected`` and ``max_corners``.
     """
     if not settings.target_corners:
         return None
     everything = limits._replace(t1=0)
-    records = frame_records(image, responses, everything, parameters, settings.report_rejected)
-    counts = histogram(decode(records).response, parameters)
+    records = frame_records(image, responses, everything, parameters, report_rejected=False)
+    counts = histogram(decode(records).response.astype(np.int64), parameters)
     return adapted_threshold(counts, settings.target_corners, parameters)
 
 

@@ -235,8 +235,9 @@ class Settings:
     max_corners
         Corners reported per frame, at most: the first ones in raster order. 0: no limit. Only built with ``budget``.
     target_corners
-        Corners per frame to aim at: T1 becomes what would have left so many of the previous frame, but no less
-        than sigma1 · floor; see ``golden.adaptation``. 0: T1 as above. Only built with ``budget``.
+        Corners per frame to aim at, without those that the texture filter rejects: T1 becomes what would have left
+        so many of the previous frame, but no less than sigma1 · floor; see ``golden.adaptation``. 0: T1 as above.
+        Only built with ``budget``.
 
     Raises
     ------

@@ -72,13 +72,17 @@ def response_map(image: NDArray[Any], gradient: Gradient) -> Map:
     return (a + b) - np.sqrt((a - b) ** 2 + 4 * c**2)
 
 
-def corner_map(responses: Map, t1: float, ties: Ties) -> NDArray[np.bool_]:
-    """E (Eqs. 3-5): D > T1 and D above its 8 neighbours, wherever the 15x15 support lies in the frame."""
+def corner_map(responses: Map, t1: float, ties: Ties, radius: int = 1) -> NDArray[np.bool_]:
+    """E (Eqs. 3-5): D > T1 and D above its neighbours, wherever the 15x15 support lies in the frame."""
     corners = np.zeros(responses.shape, dtype=bool)
-    samples = sliding_window_view(responses, (3, 3)).reshape(*(side - 2 for side in responses.shape), 9)
-    centre, earlier, later = samples[..., 4], samples[..., :4].max(axis=-1), samples[..., 5:].max(axis=-1)
+    side = 2 * radius + 1
+    samples = sliding_window_view(responses, (side, side))
+    samples = samples.reshape(*samples.shape[:2], side**2)
+    middle = side**2 // 2
+    centre = samples[..., middle]
+    earlier, later = samples[..., :middle].max(axis=-1), samples[..., middle + 1 :].max(axis=-1)
     beats_later = centre > later if ties == "strict" else centre >= later
-    corners[1:-1, 1:-1] = (centre > earlier) & beats_later & (centre > t1)
+    corners[radius:-radius, radius:-radius] = (centre > earlier) & beats_later & (centre > t1)
     inside = np.zeros_like(corners)
     inside[MARGIN:-MARGIN, MARGIN:-MARGIN] = True
     return corners & inside
@@ -162,7 +166,8 @@ def reference_detect(
 ) -> Corners:
     """Corners of one image by the unrounded algorithm; arguments as :func:`golden.detect`.
 
-    Positions are not quantised, and ``response`` is float64.
+    Positions are not quantised, and ``response`` is float64. A target is met exactly, where no sigma1 · floor and no
+    equal responses are in the way.
     """
     parameters = parameters or Parameters()
     settings = settings or Settings.default(parameters)
@@ -173,9 +178,20 @@ def reference_detect(
         constant = settings.reference == "constant"
         reference = max(settings.constant if constant else float(np.nanmax(responses)), settings.floor)
     t1, t2 = settings.sigma1 * reference, settings.sigma2 * reference
+    least = 0.0 if settings.target_corners else t1
+    peaks = corner_map(responses, least, parameters.ties, parameters.suppression)
+    if settings.target_corners:
+        kept = sorted(
+            responses[y, x]
+            for y, x in np.argwhere(peaks).tolist()
+            if texturization(responses, x, y, parameters.patches) < t2
+        )
+        beyond = kept[: -settings.target_corners]
+        t1 = max(settings.sigma1 * settings.floor, *beyond[-1:])
+        peaks &= responses > t1
 
     found: list[tuple[float, float, float, int]] = []
-    for y, x in np.argwhere(corner_map(responses, t1, parameters.ties)).tolist():
+    for y, x in np.argwhere(peaks).tolist():
         textured = not texturization(responses, x, y, parameters.patches) < t2
         if textured and not settings.report_rejected:
             continue
@@ -185,5 +201,6 @@ def reference_detect(
             coefficients = surface(responses[y - 1 : y + 2, x - 1 : x + 2], parameters.fit)
             dx, dy, flag = peak(coefficients, printed=parameters.fit == "printed")
         found.append((x + dx, y + dy, responses[y, x], flag | (Flag.TEXTURED if textured else Flag(0))))
+    found = found[: settings.max_corners or None]
     columns = np.array(found, dtype=np.float64).reshape(-1, 4).T
     return Corners(x=columns[0], y=columns[1], response=columns[2], flags=columns[3].astype(np.uint8))

@@ -26,9 +26,9 @@ class Adaptation(wiring.Component):
 
     One block RAM holds the histogram. The corners of a row are two clocks apart at least; where the second falls
     into the bin of the first, it finds the sum just on its way back. After a frame's last corner the bins are read
-    from the largest D downwards, one per clock, and cleared on the same way: by the time the next frame has responses,
-    both are done. The bin that reaches the target stays where it was compared, and three more comparisons make the
-    place in it.
+    from the largest D downwards, one per clock, and cleared on the same way: both are done before the next frame has
+    responses. The bin that reaches the target stays where it was compared, and three more comparisons make the place
+    in it.
 
     Reading begins by itself after reset, which clears the histogram; T1 then is what ``kept`` says.
 

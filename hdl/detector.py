@@ -283,7 +283,7 @@ class Detector(wiring.Component):
         step = corners.valid & corners.ready
         m.d.comb += [
             adaptation.corner.eq(
-                step & corners.payload.data.peak & self._candidates.textures.payload.data.keep
+                step & corners.payload.data.peak & ~self._candidates.textures.payload.data.textured
             ),
             adaptation.response.eq(corners.payload.data.response),
             adaptation.last.eq(step & corners.payload.eof),

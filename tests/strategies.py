@@ -71,6 +71,7 @@ def detectors(**fixed: Any) -> st.SearchStrategy[Parameters]:
         "ties": st.sampled_from(("strict", "first")),
         "fit": st.sampled_from(("nine", "six")),
         "patches": st.sampled_from(("regions", "pixels")),
+        "suppression": st.sampled_from((1, 1, 2, 3, 4)),
     }
     fields.update({field: st.just(value) for field, value in fixed.items()})
     return st.builds(Parameters, **fields)

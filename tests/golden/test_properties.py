@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from golden import Corners, Parameters, Settings, StreamModel, detect
 from golden.convolution import smooth
-from golden.corner_detection import corner_detection
-from golden.detector import RESPONSE_MARGIN, response_map
+from golden.detector import RESPONSE_MARGIN, corner_map, response_map
 from golden.output_constructor import Flag
 from golden.preprocessing import gradients, products
 from tests.golden.offsets import bounds
@@ -23,6 +22,8 @@ from tests.strategies import detectors, images
 Image = NDArray[np.unsignedinteger[Any]]
 EVERYTHING = Settings(sigma1=0.0, sigma2=0.2, floor=1, report_rejected=True)
 """Every maximum is reported, with the texture filter's verdict."""
+FIELDS = ("gradient", "ties", "fit", "patches", "suppression")
+"""Of ``Parameters``: those that records depend on."""
 CONSTANT = Settings(sigma1=0.01, reference="constant", constant=2000, floor=1, report_rejected=True)
 
 Turn = tuple[
@@ -62,7 +63,7 @@ def find(image: Image, parameters: Parameters) -> Found:
     corners = detect(image, parameters, EVERYTHING)
     responses = response_map(image, parameters)
     # the outermost rows and columns of the map have no whole window around them
-    y, x = (place + 3 for place in np.nonzero(corner_detection(responses[3:-3, 3:-3], 0, parameters.ties)))
+    y, x = (place + 3 for place in np.nonzero(corner_map(responses, 0, parameters)))
     pixels = Corners(x + RESPONSE_MARGIN + 1.0, y + RESPONSE_MARGIN + 1.0, corners.response, corners.flags)
     assert len(pixels.x) == len(corners)
     patches = sliding_window_view(responses, (3, 3))[y, x]
@@ -153,7 +154,7 @@ def test_response_is_between_zero_and_the_trace(image: Image, parameters: Parame
 def test_how_the_hardware_is_built_never_changes_a_record(
     image: Image, parameters: Parameters, buffering: Any, bits_per_stage: int
 ) -> None:
-    fields = {name: getattr(parameters, name) for name in ("gradient", "ties", "fit", "patches")}
+    fields = {name: getattr(parameters, name) for name in FIELDS}
     other = Parameters(**fields, buffering=buffering, sqrt_bits_per_stage=bits_per_stage, max_width=64)
     one, two = StreamModel(parameters), StreamModel(other)
     for _ in range(2):
@@ -172,7 +173,7 @@ def test_sigmas_only_take_away(image: Image, parameters: Parameters, sigma1: flo
 
 @given(images(), detectors(ties="strict"))
 def test_first_keeps_every_strict_corner(image: Image, parameters: Parameters) -> None:
-    fields = {name: getattr(parameters, name) for name in ("gradient", "fit", "patches")}
+    fields = {name: getattr(parameters, name) for name in FIELDS if name != "ties"}
     strict = rows(detect(image, parameters, EVERYTHING))
     first = rows(detect(image, Parameters(**fields, ties="first"), EVERYTHING))
     assert set(strict) <= set(first)
@@ -180,6 +181,6 @@ def test_first_keeps_every_strict_corner(image: Image, parameters: Parameters) -
 
 @given(images(pixel_bits=8), detectors())
 def test_wider_pixels_of_the_same_values_give_the_same_corners(image: Image, parameters: Parameters) -> None:
-    fields = {name: getattr(parameters, name) for name in ("gradient", "ties", "fit", "patches")}
+    fields = {name: getattr(parameters, name) for name in FIELDS}
     ten = detect(image.astype(np.uint16), Parameters(**fields, pixel_bits=10), EVERYTHING)
     assert rows(ten) == rows(detect(image, parameters, EVERYTHING))

@@ -154,4 +154,4 @@ def test_a_bin_that_is_full_stays_full() -> None:
 def test_clocks() -> None:
     """Short enough for the least frame: see the detector's test of its rate."""
     assert [bins(parameters) for parameters in PARAMETERS] == [48, 48, 16, 48]
-    assert Adaptation(PARAMETERS[0]).clocks == 59
+    assert Adaptation(PARAMETERS[0]).clocks == 61
