@@ -150,11 +150,11 @@ class Thresholds(wiring.Component):
         t1, t2 = self.thresholds.payload.t1, self.thresholds.payload.t2
         factor1, result1 = reference, product1[SIGMA_BITS:]
         delivered = [self.thresholds.valid.eq(1), busy.eq(0)]
-        if self._parameters.budget:
-            factor1, result1, delivered = self._budget(m, referred, reference, result1, delivered)
 
         with m.If(self.thresholds.ready):
             m.d.sync += self.thresholds.valid.eq(0)
+        if self._parameters.budget:
+            factor1, result1, delivered = self._budget(m, referred, reference, result1, delivered)
         m.d.sync += [chosen.eq(start), referred.eq(chosen)]
         m.d.comb += self.settings.ready.eq(referred)
         with m.If(~busy):
