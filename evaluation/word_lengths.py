@@ -238,11 +238,12 @@ def _mantissa(
             given = np.stack([offset.dx, offset.dy]) / (1 << OFFSET_BITS)
             inside = np.abs(truth).max(axis=0) < offset_limit("gradient") / (1 << OFFSET_BITS)
             errors.append(np.hypot(*(given - truth))[inside])
+        block = Subpixel(step, kept)
         yield {
             "bits": kept,
             "default": kept == mantissa_bits("gradient"),
-            "area": _area(Subpixel(step, kept)),
-            "interval": Subpixel(step, kept).interval,
+            "area": _area(block),
+            "clocks": block.interval,
             "error": {
                 "median": estimate(errors, median),
                 **{f"p{share}": estimate(errors, _percentile(share)) for share in (95, 99)},
