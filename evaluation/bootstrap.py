@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ DIGITS = 4
 
 
 def interval(
-    groups: Sequence[Values], statistic: Statistic, *, resamples: int = RESAMPLES, seed: int = SEED
+    groups: Sequence[Values], statistic: Statistic, *, resamples: int | None = None, seed: int = SEED
 ) -> tuple[float, float]:
     """The central 95 % of a statistic over sets of images that are drawn with replacement.
 
@@ -39,17 +39,28 @@ def interval(
     if not groups or not sum(map(len, groups)):
         return float("nan"), float("nan")
     random = np.random.default_rng(seed)
-    flat = np.concatenate(groups)
-    ends = np.cumsum([len(group) for group in groups])
-    members = [np.arange(end - len(group), end) for group, end in zip(groups, ends, strict=True)]
     results = []
-    for chosen in random.integers(len(groups), size=(resamples, len(groups))):
-        drawn = np.concatenate([members[image] for image in chosen])
+    for drawn in _drawn(groups, random, RESAMPLES if resamples is None else resamples):
         if len(drawn):
-            results.append(statistic(flat[drawn]))
+            results.append(statistic(drawn))
     tail = 50 * (1 - LEVEL)
-    low, high = np.nanpercentile(results, [tail, 100 - tail])
+    known = [result for result in results if np.isfinite(result)]
+    if not known:
+        return float("nan"), float("nan")
+    low, high = np.percentile(known, [tail, 100 - tail])
     return float(low), float(high)
+
+
+def _drawn(groups: list[Values], random: np.random.Generator, resamples: int) -> Iterator[Values]:
+    """The values of as many images as there are, drawn with replacement, so many times."""
+    draws = random.integers(len(groups), size=(resamples, len(groups)))
+    if len({len(group) for group in groups}) == 1:
+        stacked = np.stack(groups)
+        for chosen in draws:
+            yield stacked[chosen].reshape(-1, *stacked.shape[2:])
+        return
+    for chosen in draws:
+        yield np.concatenate([groups[image] for image in chosen])
 
 
 def estimate(groups: Sequence[Values], statistic: Statistic, **options: Any) -> dict[str, Any]:
