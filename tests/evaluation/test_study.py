@@ -205,7 +205,7 @@ def test_command_hands_on_what_the_user_gave(tmp_path: Path, monkeypatch: pytest
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     image = Image.new("L", (40, 40))
-    for name in ("one/1.png", "bad/1.png", "numbers/1.png", "film/1.png"):
+    for name in ("one/1.png", "bad/1.png", "bad/2.png", "numbers/1.png", "film/1.png"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         image.save(tmp_path / name)
     (tmp_path / "empty").mkdir()
@@ -228,7 +228,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (["--boards", "one", "--board-size", "9"], ["board size is '9'; allowed:", "as in 9x6"]),
         (["--boards", "one", "--board-size", "2x6"], ["board size is '2x6'; allowed: inner corners"]),
         (["--pairs", "one"], ["one has no homographies; allowed: 3x3 numbers in files named H_1_2.txt"]),
-        (["--pairs", "bad"], ["numbers"] if False else ["bad has no image 2"]),
+        (["--pairs", "bad"], ["bad/H_1_2.txt is no homography; allowed: 3x3 numbers"]),
         (["--pairs", "numbers"], ["numbers has no image 2, which a homography there names"]),
         (["--video", "missing.mp4"], ["missing.mp4 is no file; allowed: a video"]),
         (["--video", "text.mp4"], ["text.mp4 has 0 readable frames; allowed: a video with 5 or more"]),
