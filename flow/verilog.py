@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from dataclasses import fields
 from importlib.metadata import version
 from itertools import count
 
@@ -61,7 +60,7 @@ def emit_verilog(parameters: Parameters, interface: Interface = "stream") -> str
 
 def core_verilog(core: wiring.Component, parameters: Parameters) -> str:
     """As :func:`emit_verilog`, of a core that exists and was built with these parameters."""
-    lines = [f"  {field.name} = {getattr(parameters, field.name)}" for field in fields(parameters)]
+    lines = [f"  {name} = {value}" for name, value in parameters.described.items()]
     return convert(core, MODULE, ["Parameters:", *lines])
 
 

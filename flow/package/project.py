@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
@@ -71,7 +70,7 @@ def package_files(parameters: Parameters, interface: PackageInterface) -> dict[s
         "generator": f"cornerstream {VERSION}",
         "amaranth": version("amaranth"),
         "interface": interface,
-        "parameters": asdict(parameters),
+        "parameters": parameters.described,
         "files": sorted([*files, MANIFEST]),
     }
     return files | {MANIFEST: json.dumps(manifest, indent=2) + "\n"}
@@ -91,7 +90,7 @@ def _facts(parameters: Parameters) -> dict[str, Any]:
         "margin": MARGIN,
         "module": MODULE,
         "p": parameters,
-        "parameters": asdict(parameters),
+        "parameters": parameters.described,
         "record": {
             "bits": record.RECORD_BITS,
             "coordinate_bits": COORDINATE_BITS,

@@ -87,7 +87,7 @@ def project_files(parameters: Parameters, *, clock_mhz: float = 100.0) -> dict[s
         "memory_bits": sum(memory.bits for memory in memories),
         "modules": sorted(modules),
         "name": MODULE,
-        "parameters": asdict(parameters),
+        "parameters": parameters.described,
         "period": 1000 / clock_mhz,
         "ports": ports,
         "sources": sorted(sources),
@@ -98,7 +98,7 @@ def project_files(parameters: Parameters, *, clock_mhz: float = 100.0) -> dict[s
     manifest = {
         "generator": f"cornerstream {VERSION}",
         "amaranth": version("amaranth"),
-        "parameters": asdict(parameters),
+        "parameters": parameters.described,
         "clock_mhz": float(clock_mhz),
         "device": DEVICE,
         "files": sorted([*files, MANIFEST]),

@@ -20,8 +20,11 @@ RANGES = {
 }
 CHOICES = {
     "gradient": ("absolute", "signed"),
+    "derivative": ("central", "sobel"),
+    "response_filter": ("none", "binomial"),
     "ties": ("strict", "first"),
-    "fit": ("nine", "six", "printed"),
+    "fit": ("nine", "six", "printed", "gradient"),
+    "texture": ("patches", "mean"),
     "patches": ("regions", "pixels"),
     "buffering": ("banked", "lean"),
 }
@@ -169,13 +172,18 @@ def test_largest_side_fits_a_record() -> None:
 def test_profiles() -> None:
     assert PROFILES["paper"] == Parameters()
     robust = profile("robust")
-    assert (robust.gradient, robust.ties, robust.buffering, robust.fit) == ("signed", "first", "lean", "nine")
+    assert (robust.gradient, robust.ties, robust.buffering, robust.fit) == (
+        "signed",
+        "first",
+        "lean",
+        "gradient",
+    )
     assert profile("robust", fit="six", max_width=640) == Parameters(
         gradient="signed", ties="first", buffering="lean", fit="six", max_width=640
     )
     with pytest.raises(ValueError, match=r"^profile is 'fast'; allowed: paper, robust$"):
         profile("fast")
-    with pytest.raises(ValueError, match=r"^fit is 'ten'; allowed: nine, six, printed$"):
+    with pytest.raises(ValueError, match=r"^fit is 'ten'; allowed: nine, six, printed, gradient$"):
         profile("paper", fit="ten")
 
 
