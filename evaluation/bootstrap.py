@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Values = NDArray[np.float64]
-Statistic = Callable[[Values], float]
+Statistic = Callable[[Values], Values]
+"""Of values (..., n, columns), one for each of the leading axes: (...). NaN where there is none."""
 
 RESAMPLES = 1000
 LEVEL = 0.95
@@ -26,50 +27,51 @@ def interval(
     Parameters
     ----------
     groups
-        For each image its values, (n, ...), n from 0 on: corners of one image are not independent, so an image
-        comes whole or not at all.
+        For each image its values, (n,) or (n, columns), n from 0 on: corners of one image are not independent, so
+        an image comes whole or not at all.
     statistic
-        Of the values of all images, concatenated; those of no value at all count as NaN and are left out.
+        Of the values of all images.
+    resamples
+        By default :data:`RESAMPLES`.
 
     Returns
     -------
     Low and high end; NaN where there are no values.
     """
-    groups = [np.asarray(group, dtype=np.float64) for group in groups]
+    groups = _columns(groups)
     if not groups or not sum(map(len, groups)):
         return float("nan"), float("nan")
     random = np.random.default_rng(seed)
-    results = []
-    for drawn in _drawn(groups, random, RESAMPLES if resamples is None else resamples):
-        if len(drawn):
-            results.append(statistic(drawn))
-    tail = 50 * (1 - LEVEL)
-    known = [result for result in results if np.isfinite(result)]
-    if not known:
+    draws = random.integers(len(groups), size=(resamples or RESAMPLES, len(groups)))
+    if len({len(group) for group in groups}) == 1:
+        # all of one size, which is usual: all draws at once
+        stacked = np.stack(groups)
+        results = statistic(stacked[draws].reshape(len(draws), -1, stacked.shape[-1]))
+    else:
+        drawn = (np.concatenate([groups[image] for image in chosen]) for chosen in draws)
+        results = np.array([statistic(values) for values in drawn if len(values)])
+    known = results[np.isfinite(results)]
+    if not len(known):
         return float("nan"), float("nan")
+    tail = 50 * (1 - LEVEL)
     low, high = np.percentile(known, [tail, 100 - tail])
     return float(low), float(high)
 
 
-def _drawn(groups: list[Values], random: np.random.Generator, resamples: int) -> Iterator[Values]:
-    """The values of as many images as there are, drawn with replacement, so many times."""
-    draws = random.integers(len(groups), size=(resamples, len(groups)))
-    if len({len(group) for group in groups}) == 1:
-        stacked = np.stack(groups)
-        for chosen in draws:
-            yield stacked[chosen].reshape(-1, *stacked.shape[2:])
-        return
-    for chosen in draws:
-        yield np.concatenate([groups[image] for image in chosen])
+def _columns(groups: Sequence[Values]) -> list[Values]:
+    arrays = [np.asarray(group, dtype=np.float64) for group in groups]
+    return [array[:, None] if array.ndim == 1 else array for array in arrays]
 
 
 def estimate(groups: Sequence[Values], statistic: Statistic, **options: Any) -> dict[str, Any]:
     """``value`` of a statistic and its ``interval`` [low, high], as JSON takes them: None where there is none."""
-    groups = [np.asarray(group, dtype=np.float64) for group in groups]
+    groups = _columns(groups)
     if not groups or not sum(map(len, groups)):
         return {"value": None, "interval": None}
-    value = statistic(np.concatenate(groups))
-    return {"value": plain(value), "interval": [plain(end) for end in interval(groups, statistic, **options)]}
+    value = plain(float(statistic(np.concatenate(groups))))
+    if value is None:
+        return {"value": None, "interval": None}
+    return {"value": value, "interval": [plain(end) for end in interval(groups, statistic, **options)]}
 
 
 def plain(value: float) -> float | None:
@@ -77,25 +79,20 @@ def plain(value: float) -> float | None:
     return None if not np.isfinite(value) else round(float(value), DIGITS)
 
 
-def mean(values: Values) -> float:
-    return float(values.mean())
+def mean(values: Values) -> Values:
+    """Of the first column, as the two below."""
+    return np.asarray(values[..., 0].mean(axis=-1))
 
 
-def median(values: Values) -> float:
-    return float(np.median(values))
+def median(values: Values) -> Values:
+    return np.asarray(np.median(values[..., 0], axis=-1))
 
 
-def percentile_95(values: Values) -> float:
-    return float(np.percentile(values, 95))
+def percentile_95(values: Values) -> Values:
+    return np.asarray(np.percentile(values[..., 0], 95, axis=-1))
 
 
-def ratio(values: Values) -> float:
-    """Sum of the first column over the sum of the second: NaN where that is 0."""
-    whole = values[:, 1].sum()
-    return float(values[:, 0].sum() / whole) if whole else float("nan")
-
-
-def relative_gain(values: Values) -> float:
+def relative_gain(values: Values) -> Values:
     """How much the mean of the first column is above the mean of the second, relative to that."""
-    base = values[:, 1].mean()
-    return float(values[:, 0].mean() / base - 1) if base else float("nan")
+    ours, base = np.moveaxis(values.mean(axis=-2), -1, 0)
+    return np.where(base > 0, ours / np.where(base > 0, base, 1) - 1, np.nan)

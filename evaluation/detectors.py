@@ -88,7 +88,7 @@ class Ours(Detector):
         return np.column_stack([corners.x, corners.y])[order]
 
     def _sigma2(self, thresholds: Thresholds) -> float:
-        if getattr(self.parameters, "texture", "patches") == "patches":
+        if self.parameters.texture == "patches":
             return thresholds.sigma2 if self.filtered else NO_FILTER
         # the adaptive threshold's weight is another thing than the paper's sigma2
         return USUAL.sigma2 if self.filtered else 0.0
