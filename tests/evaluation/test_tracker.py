@@ -141,4 +141,5 @@ def test_as_many_as_paper(grass: NDArray[np.uint8]) -> None:
     free, same = MODES[1], MODES[2]
     wanted = len(corners_of(pair, ALL, free, Memory())["paper"])
     found = corners_of(pair, ALL, same, Memory())
-    assert wanted > 10 and {len(points) for points in found.values()} == {wanted}
+    fewest = min(len(detector.ranked(grass, same.thresholds)) for detector in ALL)
+    assert wanted > 10 and {len(points) for points in found.values()} == {min(wanted, fewest)}
