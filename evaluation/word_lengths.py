@@ -15,7 +15,7 @@ from amaranth.lib import wiring
 from numpy.typing import NDArray
 
 from evaluation import scenes
-from evaluation.bootstrap import estimate, median, ratio
+from evaluation.bootstrap import Statistic, estimate, median
 from evaluation.scenes import Kind, Scene
 from evaluation.sources import NamedImage, photographs
 from flow.area import Area
@@ -194,7 +194,7 @@ def _detections(
         exact = _places(_corners(image.pixels, response_map(image.pixels, parameters), parameters, 0))
         found = _places(_corners(image.pixels, responses(image.pixels), parameters, cut))
         shared.append(np.array([[len(exact & found), len(exact | found)]]))
-    result: Record = {"same": estimate(shared, ratio)}
+    result: Record = {"same": estimate(shared, _ratio)}
     for kind, some in rendered.items():
         distances = []
         for scene in some:
@@ -275,8 +275,8 @@ def _solution(
     return np.where(determinant > 0, solved, np.inf)
 
 
-def _percentile(share: int) -> Callable[[NDArray[np.float64]], float]:
-    return lambda values: float(np.percentile(values, share))
+def _percentile(share: int) -> Statistic:
+    return lambda values: np.asarray(np.percentile(values[..., 0], share, axis=-1))
 
 
 # -- area
