@@ -71,7 +71,7 @@ def detectors(**fixed: Any) -> st.SearchStrategy[Parameters]:
         "derivative": st.sampled_from(("central", "sobel")),
         "response_filter": st.sampled_from(("none", "binomial")),
         "ties": st.sampled_from(("strict", "first")),
-        "fit": st.sampled_from(("nine", "six")),
+        "fit": st.sampled_from(("nine", "six", "gradient")),
         "texture": st.sampled_from(("patches", "mean")),
         "patches": st.sampled_from(("regions", "pixels")),
     }

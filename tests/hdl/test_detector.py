@@ -51,6 +51,8 @@ MIXTURES = {
     "robust banked, six samples": profile(
         "robust", **SMALL, buffering="banked", fit="six", sqrt_bits_per_stage=2
     ),
+    "paper, gradient step": profile("paper", **SMALL, fit="gradient"),
+    "robust, nine samples": profile("robust", **SMALL, fit="nine"),
     "10-bit pixels": profile("robust", **SMALL, pixel_bits=10, sqrt_bits_per_stage=4),
     "4-bit pixels": profile("paper", **SMALL, pixel_bits=4, ties="first", sqrt_bits_per_stage=17),
 }
