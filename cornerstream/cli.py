@@ -7,6 +7,7 @@ import click
 from cornerstream.bench import bench
 from cornerstream.detection import detect
 from cornerstream.errors import OneLineGroup
+from cornerstream.eval import evaluate
 from cornerstream.export import export
 from cornerstream.package import package
 from cornerstream.report import report
@@ -39,5 +40,5 @@ def main() -> None:
     """
 
 
-for command in (simulate, detect, verilog, package, export, report, synth, tables, bench):
+for command in (simulate, detect, verilog, package, export, report, synth, tables, bench, evaluate):
     main.add_command(command)

@@ -1,0 +1,112 @@
+"""Every way to place a corner, from the same whole pixels: these themselves, each fit of the golden model, OpenCV."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evaluation.packages import opencv
+from golden import Corners, Parameters, Settings, detect
+from golden.detector import RESPONSE_MARGIN, response_map
+from golden.parameters import Fit
+
+Positions = NDArray[np.float64]
+
+INTEGER = "integer"
+OPENCV = "cornerSubPix"
+SUBPIX_HALF_WINDOW = 3
+"""7x7 pixels."""
+SUBPIX_ITERATIONS = 30
+SUBPIX_STEP = 0.01
+"""OpenCV stops after so many iterations, or once a step is shorter than this many pixels."""
+
+
+@dataclass(frozen=True)
+class Placements:
+    """All corners of an image, by each method.
+
+    Attributes
+    ----------
+    positions
+        (n, 2) x and y in pixels, by the method's name. The same row is the same corner.
+    accepted
+        (n,) what the texture filter let pass.
+    """
+
+    positions: dict[str, Positions]
+    accepted: NDArray[np.bool_]
+
+    def nearest(self, x: float, y: float, within: float) -> int | None:
+        """Row of the corner whose whole pixel is nearest to (x, y); None if none is near enough."""
+        pixels = self.positions[INTEGER]
+        distances = np.hypot(pixels[:, 0] - x, pixels[:, 1] - y)
+        if not len(distances) or distances.min() > within:
+            return None
+        return int(distances.argmin())
+
+
+def methods(parameters: Parameters) -> list[str]:
+    """Names of the methods that a detector of these parameters allows, in the order in which they are shown."""
+    return [INTEGER, *_variants(parameters), OPENCV]
+
+
+def _variants(parameters: Parameters) -> dict[str, Parameters]:
+    variants = {}
+    for fit in get_args(Fit):
+        try:
+            variants[str(fit)] = replace(parameters, fit=fit)
+        except ValueError:
+            # not every fit can be had with every gradient
+            continue
+    return variants
+
+
+def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> Placements:
+    """Find corners once, and place them by every method.
+
+    What is a corner, and whether it is textured, does not depend on the fit, nor does the order.
+    """
+    settings = replace(settings, report_rejected=True)
+    found = {name: detect(image, variant, settings) for name, variant in _variants(parameters).items()}
+    some = found["nine"]
+    pixels = whole_pixels(some, image, parameters)
+    positions = {INTEGER: pixels.astype(np.float64)}
+    positions |= {name: np.column_stack([corners.x, corners.y]) for name, corners in found.items()}
+    positions[OPENCV] = corner_sub_pix(image, pixels)
+    return Placements(positions, some.accepted)
+
+
+def whole_pixels(corners: Corners, image: NDArray[np.uint8], parameters: Parameters) -> NDArray[np.int64]:
+    """(n, 2) pixels at which the response has its maxima, of corners placed by a surface: at most half a pixel away.
+
+    A corner exactly half a pixel away could belong to either neighbour: to the one with the larger response, or, if
+    these are equal, to the first in raster order, as ``ties="first"`` has it.
+    """
+    responses = response_map(image, parameters)
+    height, width = responses.shape
+    pixels = np.zeros((len(corners), 2), dtype=np.int64)
+    largest = np.full(len(corners), -1, dtype=np.int64)
+    for down in (np.floor, np.ceil):
+        for across in (np.floor, np.ceil):
+            x, y = across(corners.x).astype(np.int64), down(corners.y).astype(np.int64)
+            near = (np.abs(x - corners.x) <= 0.5) & (np.abs(y - corners.y) <= 0.5)
+            row = np.clip(y - RESPONSE_MARGIN, 0, height - 1)
+            column = np.clip(x - RESPONSE_MARGIN, 0, width - 1)
+            chosen = near & (responses[row, column] > largest)
+            pixels[chosen] = np.column_stack([x, y])[chosen]
+            largest[chosen] = responses[row, column][chosen]
+    return pixels
+
+
+def corner_sub_pix(image: NDArray[np.uint8], pixels: NDArray[np.int64]) -> Positions:
+    """``cv2.cornerSubPix`` from these pixels, (n, 2)."""
+    cv2 = opencv()
+    if not len(pixels):
+        return np.empty((0, 2))
+    start = np.ascontiguousarray(pixels, dtype=np.float32).reshape(-1, 1, 2)
+    stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, SUBPIX_ITERATIONS, SUBPIX_STEP)
+    window = (SUBPIX_HALF_WINDOW, SUBPIX_HALF_WINDOW)
+    return cv2.cornerSubPix(image, start, window, (-1, -1), stop).reshape(-1, 2).astype(np.float64)
