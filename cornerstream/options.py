@@ -11,6 +11,7 @@ import click
 from cornerstream.errors import BadInput, bad_input
 from golden import PROFILES, Parameters, Settings, profile
 from golden.parameters import (
+    MAX_SUPPRESSION,
     Buffering,
     Derivative,
     Fit,
@@ -28,10 +29,10 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 _DETECTOR = (
     *("gradient", "derivative", "response_filter", "ties", "fit", "texture", "patches"),
-    *("buffering", "max_width", "max_height", "pixel_bits"),
+    *("suppression", "budget", "buffering", "max_width", "max_height", "pixel_bits"),
 )
 _EDGES = ("video_out", "autostart")
-_THRESHOLDS = ("sigma1", "sigma2", "reference", "constant", "floor")
+_THRESHOLDS = ("sigma1", "sigma2", "reference", "constant", "floor", "max_corners", "target_corners")
 _PLAIN = Parameters()
 _USUAL = Settings()
 
@@ -66,6 +67,13 @@ detector_options = _together(
     _choice("--fit", Fit, "Subpixel surface; 'printed' is the paper's misprint (golden model only)."),
     _choice("--texture", Texture, "Texture filter: the paper's patches, or a threshold by the local mean."),
     _choice("--patches", Patches, "Patches of the texture filter: 3x3 regions or single pixels."),
+    click.option(
+        "--suppression",
+        type=int,
+        metavar="R",
+        help=f"Corners are at least R+1 pixels apart, 1 to {MAX_SUPPRESSION}. Default: the profile's.",
+    ),
+    click.option("--budget", is_flag=True, help="With --max-corners and --target-corners, for run time."),
     _choice("--buffering", Buffering, "Line buffers: N+1 banks as the paper, or N-1 rows."),
     click.option(
         *("--max-width", "--width"),
@@ -141,6 +149,22 @@ threshold_options = _together(
     click.option(
         "--floor", type=int, default=_USUAL.floor, show_default=True, help="The reference is never below it."
     ),
+    click.option(
+        "--max-corners",
+        type=int,
+        default=_USUAL.max_corners,
+        show_default=True,
+        metavar="N",
+        help="Corners per frame, at most: the first ones, row by row; 0: all. Implies --budget.",
+    ),
+    click.option(
+        "--target-corners",
+        type=int,
+        default=_USUAL.target_corners,
+        show_default=True,
+        metavar="N",
+        help="Corners per frame to aim at, from frame to frame, instead of sigma1; 0: none. Implies --budget.",
+    ),
 )
 
 image_argument = click.argument("image", type=click.Path(path_type=Path))
@@ -162,6 +186,8 @@ def output_option(default: str | None, text: str) -> Callable[[Command], Command
 def parameters_from(options: dict[str, Any], *, hardware: bool) -> Parameters:
     """The detector that the command line describes; :class:`BadInput` if there is none, or none with such edges."""
     changes = {field: options[field] for field in (*_DETECTOR, *_EDGES) if options.get(field) is not None}
+    if options.get("max_corners") or options.get("target_corners"):
+        changes["budget"] = True
     if hardware and changes.get("fit") == "printed":
         allowed = ", ".join(fit for fit in get_args(Fit) if fit != "printed")
         raise BadInput(f"fit is 'printed', which only the golden model has; allowed in hardware: {allowed}")

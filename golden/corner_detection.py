@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import reduce
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,21 +12,27 @@ from golden.parameters import Ties
 from golden.preprocessing import IntArray
 
 
-def corner_detection(response: IntArray, t1: int, ties: Ties) -> NDArray[np.bool_]:
-    """E(x, y): D > T1 and D > gamma, the largest of its 8 neighbours.
+def corner_detection(response: IntArray, t1: int, ties: Ties, radius: int = 1) -> NDArray[np.bool_]:
+    """E(x, y): D > T1 and D > gamma, the largest of its neighbours in the (2r+1)x(2r+1) square; 8 of them with r = 1.
 
     Eq. 5 prints ``sigma1 > D``; small responses are to be thresholded away, so it is read as D > T1.
     With ``ties="first"`` neighbours later in raster order may be equal.
 
-    Takes (height, width), returns (height-2, width-2): the outermost responses lack neighbours.
+    Takes (height, width), returns (height-2r, width-2r): the outermost responses lack neighbours.
     """
-    above, here, below = response[:-2], response[1:-1], response[2:]
-    centre = here[:, 1:-1]
-    if ties == "strict":
-        column = np.maximum(np.maximum(above, below), here)
-        gamma = np.maximum(column[:, :-2], column[:, 2:])
-        gamma = np.maximum(gamma, np.maximum(above, below)[:, 1:-1])
-        return (centre > gamma) & (centre > t1)
-    earlier = np.maximum(np.maximum(above[:, :-2], above[:, 1:-1]), np.maximum(above[:, 2:], here[:, :-2]))
-    later = np.maximum(np.maximum(below[:, :-2], below[:, 1:-1]), np.maximum(below[:, 2:], here[:, 2:]))
-    return (centre > earlier) & (centre >= later) & (centre > t1)
+    height, width = (side - 2 * radius for side in response.shape)
+    before, after, across = range(radius), range(radius + 1, 2 * radius + 1), range(2 * radius + 1)
+    above = _largest(response[k : k + height] for k in before)
+    here = response[radius : radius + height]
+    below = _largest(response[k : k + height] for k in after)
+    centre = here[:, radius : radius + width]
+    earlier = _largest(
+        [*(above[:, k : k + width] for k in across), *(here[:, k : k + width] for k in before)]
+    )
+    later = _largest([*(below[:, k : k + width] for k in across), *(here[:, k : k + width] for k in after)])
+    beats_later = centre > later if ties == "strict" else centre >= later
+    return (centre > earlier) & beats_later & (centre > t1)
+
+
+def _largest(values: Iterable[IntArray]) -> IntArray:
+    return reduce(np.maximum, values)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from golden.adaptation import adapted_threshold, histogram
 from golden.adaptive_threshold import adaptive_threshold
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
@@ -69,6 +70,26 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
     return result
 
 
+def peak_responses(responses: IntArray, parameters: Parameters) -> IntArray:
+    """The responses whose peaks are corners: of all pixels that can be reported, and as far around as that needs.
+
+    (height, width) in, (height - 8 + 2·suppression, width - 8 + 2·suppression) out.
+    """
+    edge = WINDOW_SIZE // 2 - parameters.suppression
+    if parameters.response_filter == "binomial":
+        edge -= 1
+    height, width = responses.shape
+    inside = responses[edge : height - edge, edge : width - edge]
+    return response_filter(inside) if parameters.response_filter == "binomial" else inside
+
+
+def corner_map(responses: IntArray, t1: int, parameters: Parameters) -> NDArray[np.bool_]:
+    """E of all pixels that can be reported, from all responses: (height, width) in, (height-8, width-8) out."""
+    return corner_detection(
+        peak_responses(responses, parameters), t1, parameters.ties, parameters.suppression
+    )
+
+
 def frame_records(
     image: Image,
     responses: IntArray,
@@ -82,34 +103,47 @@ def frame_records(
 
     With ``pixels``, only of those whose whole support lies in the frame's first so many pixels, in raster order.
     """
-    inner = MARGIN - RESPONSE_MARGIN
-    # the responses whose peaks are corners, as far as corners and their neighbours go
-    filtered = response_filter(
-        responses[inner - 2 : 2 - inner, inner - 2 : 2 - inner], parameters.response_filter
-    )
-    rows, columns = np.nonzero(corner_detection(filtered, limits.t1, parameters.ties))
+    radius = parameters.suppression
+    peaks = peak_responses(responses, parameters)
+    rows, columns = np.nonzero(corner_detection(peaks, limits.t1, parameters.ties, radius))
     if pixels is not None:
         width = responses.shape[1] + 2 * RESPONSE_MARGIN
         decided = (rows + 2 * MARGIN) * width + columns + 2 * MARGIN < pixels
         rows, columns = rows[decided], columns[decided]
     windows = sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
-    values = filtered[rows + 1, columns + 1]
+    values = peaks[rows + radius, columns + radius]
     if parameters.texture == "mean":
         accepted, values = adaptive_threshold(values, windows, limits.t1, limits.t2)
     else:
         accepted = texture_filter(windows, limits.t2, parameters.patches)
     if not report_rejected:
-        rows, columns, values, accepted = (
-            rows[accepted],
-            columns[accepted],
-            values[accepted],
-            accepted[accepted],
-        )
+        rows, columns, values = rows[accepted], columns[accepted], values[accepted]
+        accepted = accepted[accepted]
     around = MARGIN - PIXEL_SIZE // 2
     pixel_windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[rows + around, columns + around]
-    patches = sliding_window_view(filtered, (3, 3))[rows, columns]
+    patches = sliding_window_view(peaks, (3, 3))[rows + radius - 1, columns + radius - 1]
     offset = subpixel(patches, parameters, pixel_windows)
     return encode(columns + MARGIN, rows + MARGIN, values, offset, ~accepted)
+
+
+def within_budget(records: Records, settings: Settings) -> Records:
+    """Those of a frame's records that are reported: as many of the first as ``max_corners`` allows."""
+    return records[: settings.max_corners] if settings.max_corners else records
+
+
+def next_threshold(
+    image: Image, responses: IntArray, limits: Thresholds, parameters: Parameters, settings: Settings
+) -> int | None:
+    """T1 that a frame asks for, so that its target would have been met; None if it has no target.
+
+    Counted are the corners that the texture filter keeps, with or without ``report_rejected`` and ``max_corners``.
+    """
+    if not settings.target_corners:
+        return None
+    everything = limits._replace(t1=0)
+    records = frame_records(image, responses, everything, parameters, report_rejected=False)
+    counts = histogram(decode(records).response.astype(np.int64), parameters)
+    return adapted_threshold(counts, settings.target_corners, parameters)
 
 
 def detect(
@@ -130,6 +164,7 @@ def detect(
     reference
         Dref. By default the constant if the settings say so, else the image's own largest D: what the
         hardware uses from the second frame on while the scene stands still, and OpenCV's ``qualityLevel``.
+        ``target_corners`` is likewise aimed at with the image's own corners.
 
     Raises
     ------
@@ -146,20 +181,31 @@ def detect(
     else:
         check_integer("reference", reference, 0, parameters.response_max)
     limits = thresholds(settings, int(reference), parameters)
-    return decode(frame_records(image, responses, limits, parameters, settings.report_rejected))
+    adapted = next_threshold(image, responses, limits, parameters, settings)
+    limits = thresholds(settings, int(reference), parameters, adapted)
+    records = frame_records(image, responses, limits, parameters, settings.report_rejected)
+    return decode(within_budget(records, settings))
 
 
 @dataclass(frozen=True)
 class FrameResult:
-    """One frame as the hardware delivers it: all its records, the last one marking its end."""
+    """One frame as the hardware delivers it: all its records, the last one marking its end.
+
+    ``found`` counts the corners that ``max_corners`` left out, too; ``t1`` is the threshold they are above.
+    """
 
     records: Records
     corners: Corners
     maximum: int
+    found: int
+    t1: int
 
 
 class StreamModel:
-    """The detector on a stream of frames: each frame's largest D is the next one's reference."""
+    """The detector on a stream of frames: each frame's largest D is the next one's reference.
+
+    Likewise a frame's corners decide about the next one's T1, where both have a target.
+    """
 
     def __init__(self, parameters: Parameters | None = None) -> None:
         self.parameters = parameters or Parameters()
@@ -168,6 +214,7 @@ class StreamModel:
     def reset(self) -> None:
         """Forget the previous frame and start counting from 0, as a hardware reset does."""
         self._previous_maximum: int | None = None
+        self._adapted: int | None = None
         self._frame = 0
 
     def process(
@@ -179,9 +226,13 @@ class StreamModel:
         settings.check(self.parameters)
         responses = response_map(image, self.parameters)
         maximum = int(responses.max())
-        limits = thresholds(settings, choose_reference(settings, self._previous_maximum), self.parameters)
-        records = frame_records(image, responses, limits, self.parameters, settings.report_rejected)
+        reference = choose_reference(settings, self._previous_maximum)
+        limits = thresholds(settings, reference, self.parameters, self._adapted)
+        every = frame_records(image, responses, limits, self.parameters, settings.report_rejected)
+        records = within_budget(every, settings)
         end = encode_frame_end(FrameEnd(len(records), self._frame, maximum))
         self._previous_maximum = maximum
+        self._adapted = next_threshold(image, responses, limits, self.parameters, settings)
         self._frame += 1
-        return FrameResult(np.append(records, np.uint64(end)), decode(records), maximum)
+        words = np.append(records, np.uint64(end))
+        return FrameResult(words, decode(records), maximum, len(every), limits.t1)

@@ -17,7 +17,7 @@ closes every frame, also a frame without corners:
 ======  =====================================================================
 bits    end-of-frame record
 ======  =====================================================================
-23:0    number of corner records in the frame
+23:0    number of corner records in the frame (what ``Settings.max_corners`` left out is not among them)
 39:24   frame number since reset, modulo 65536
 60:40   largest D of the frame: the next frame's reference
 62:61   both set

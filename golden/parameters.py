@@ -37,7 +37,11 @@ SIGMA2_INTEGER_BITS = 4
 """sigma2 reaches 16: tau cannot exceed 8 times the frame's largest D, so with that as Dref 8 is plenty."""
 MEAN_WEIGHT_BITS, MEAN_WEIGHT_FRACTION_BITS = 4, 3
 """sigma2 where the texture filter is an adaptive threshold: eighths from 0 to 15."""
-OPTIONS = frozenset({"derivative", "response_filter", "texture"})
+MAX_SUPPRESSION = WINDOW_SIZE // 2
+"""Largest radius of the non-maximum suppression: the whole response window."""
+BUDGET_BITS = 16
+"""Of ``Settings.max_corners`` and ``target_corners``."""
+OPTIONS = frozenset({"derivative", "response_filter", "texture", "suppression", "budget"})
 """Fields of ``Parameters`` that go without mention where they have their default."""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
 MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10
@@ -106,6 +110,11 @@ class Parameters:
     patches
         Fig. 5 of the texture filter: ``"regions"``: patch k is the four 3x3 regions at the corners of
         the (2k+3)x(2k+3) square; ``"pixels"``: four single diagonal pixels at radius k.
+    suppression
+        Radius r of the non-maximum suppression, 1 to 4: a corner is the largest of the (2r+1)x(2r+1) responses
+        around it, so that two of them are at least r+1 pixels apart in x or in y.
+    budget
+        Build ``Settings.max_corners`` and ``target_corners``.
     buffering
         ``"banked"``: N+1 block RAMs per N×N window (Sec. 4.1); ``"lean"``: N-1 rows, one row sooner.
         Changes memory and delay, never a record.
@@ -136,6 +145,8 @@ class Parameters:
     fit: Fit = "nine"
     texture: Texture = "patches"
     patches: Patches = "regions"
+    suppression: int = 1
+    budget: bool = False
     buffering: Buffering = "banked"
     sqrt_bits_per_stage: int = 1
     queue_depth: int = 16
@@ -149,9 +160,10 @@ class Parameters:
             ("max_height", SUPPORT, MAX_SIDE),
             ("sqrt_bits_per_stage", 1, 17),
             ("queue_depth", 8, 1024),
+            ("suppression", 1, MAX_SUPPRESSION),
         ):
             _plain_integer(self, field, low, high)
-        for field in ("video_out", "autostart"):
+        for field in ("video_out", "autostart", "budget"):
             if not isinstance(getattr(self, field), bool):
                 raise ValueError(f"{field} is {getattr(self, field)!r}; allowed: True or False")
         _check_choice("gradient", self.gradient, Gradient)
@@ -162,6 +174,14 @@ class Parameters:
         _check_choice("fit", self.fit, Fit)
         _check_choice("patches", self.patches, Patches)
         _check_choice("buffering", self.buffering, Buffering)
+        if self.response_filter == "binomial":
+            # S is known one pixel less far around a corner; a surface could not wait for more than its own 3x3 of it
+            most = MAX_SUPPRESSION - 1 if self.fit == "gradient" else 1
+            if self.suppression > most:
+                raise ValueError(
+                    f"suppression is {self.suppression}; allowed with response_filter 'binomial' "
+                    f"and fit {self.fit!r}: 1" + (f" to {most}" if most > 1 else "")
+                )
 
     @property
     def described(self) -> dict[str, Any]:
@@ -244,6 +264,12 @@ class Settings:
         Dref never falls below it, or a black frame would turn the next one's noise into corners.
     report_rejected
         Also report corners that the texture filter rejects, flagged ``TEXTURED``.
+    max_corners
+        Corners reported per frame, at most: the first ones in raster order. 0: no limit. Only built with ``budget``.
+    target_corners
+        Corners per frame to aim at, without those that the texture filter rejects: T1 becomes what would have left
+        so many of the previous frame, but no less than sigma1 · floor; see ``golden.adaptation``. 0: T1 as above.
+        Only built with ``budget``.
 
     Raises
     ------
@@ -257,6 +283,8 @@ class Settings:
     constant: int = 8192
     floor: int = 1024
     report_rejected: bool = False
+    max_corners: int = 0
+    target_corners: int = 0
 
     def __post_init__(self) -> None:
         _check_fraction("sigma1", self.sigma1, 1)
@@ -266,6 +294,8 @@ class Settings:
         largest = Parameters(pixel_bits=MAX_PIXEL_BITS, gradient="signed").response_max
         _plain_integer(self, "constant", 1, largest)
         _plain_integer(self, "floor", 1, largest)
+        _plain_integer(self, "max_corners", 0, (1 << BUDGET_BITS) - 1)
+        _plain_integer(self, "target_corners", 0, (1 << BUDGET_BITS) - 1)
 
     @classmethod
     def default(cls, parameters: Parameters, **changes: Any) -> Settings:
@@ -277,9 +307,14 @@ class Settings:
         return cls(**{"constant": 1 << (bits - 4), "floor": 1 << (bits - 7), **changes})
 
     def check(self, parameters: Parameters) -> None:
-        """Raise ``ValueError`` if constant or floor exceed the full scale of this detector's D."""
+        """Raise ``ValueError`` if constant or floor exceed this detector's D, or it lacks the budget asked for."""
         for field in ("constant", "floor"):
             check_integer(field, getattr(self, field), 1, parameters.response_max)
+        for field in ("max_corners", "target_corners"):
+            if not parameters.budget and (value := getattr(self, field)) != 0:
+                raise ValueError(
+                    f"{field} is {value!r}; allowed: 0, since the detector is built without budget"
+                )
 
     @property
     def sigma1_fixed(self) -> int:

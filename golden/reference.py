@@ -97,13 +97,17 @@ def local_mean(responses: Map, x: int, y: int) -> float:
     return float(responses[y - 4 : y + 5, x - 4 : x + 5].mean())
 
 
-def corner_map(responses: Map, t1: float, ties: Ties) -> NDArray[np.bool_]:
-    """E (Eqs. 3-5): D > T1 and D above its 8 neighbours, wherever the 15x15 support lies in the frame."""
+def corner_map(responses: Map, t1: float, ties: Ties, radius: int = 1) -> NDArray[np.bool_]:
+    """E (Eqs. 3-5): D > T1 and D above its neighbours, wherever the 15x15 support lies in the frame."""
     corners = np.zeros(responses.shape, dtype=bool)
-    samples = sliding_window_view(responses, (3, 3)).reshape(*(side - 2 for side in responses.shape), 9)
-    centre, earlier, later = samples[..., 4], samples[..., :4].max(axis=-1), samples[..., 5:].max(axis=-1)
+    side = 2 * radius + 1
+    samples = sliding_window_view(responses, (side, side))
+    samples = samples.reshape(*samples.shape[:2], side**2)
+    middle = side**2 // 2
+    centre = samples[..., middle]
+    earlier, later = samples[..., :middle].max(axis=-1), samples[..., middle + 1 :].max(axis=-1)
     beats_later = centre > later if ties == "strict" else centre >= later
-    corners[1:-1, 1:-1] = (centre > earlier) & beats_later & (centre > t1)
+    corners[radius:-radius, radius:-radius] = (centre > earlier) & beats_later & (centre > t1)
     inside = np.zeros_like(corners)
     inside[MARGIN:-MARGIN, MARGIN:-MARGIN] = True
     return corners & inside
@@ -187,7 +191,8 @@ def reference_detect(
 ) -> Corners:
     """Corners of one image by the unrounded algorithm; arguments as :func:`golden.detect`.
 
-    Positions are not quantised, and ``response`` is float64.
+    Positions are not quantised, and ``response`` is float64. A target is met exactly, where no sigma1 · floor and no
+    equal responses are in the way.
     """
     parameters = parameters or Parameters()
     settings = settings or Settings.default(parameters)
@@ -200,22 +205,32 @@ def reference_detect(
         reference = max(settings.constant if constant else float(np.nanmax(responses)), settings.floor)
     t1, t2 = settings.sigma1 * reference, settings.sigma2 * reference
 
-    found: list[tuple[float, float, float, int]] = []
-    for y, x in np.argwhere(corner_map(peaks, t1, parameters.ties)).tolist():
-        value = peaks[y, x]
+    def judge(y: int, x: int, t1: float) -> tuple[float, bool]:
+        """Response that is reported, and whether the texture filter keeps the corner."""
         if parameters.texture == "mean":
-            value -= min(settings.sigma2, MAX_WEIGHT) * LEVEL_GAIN * local_mean(responses, x, y)
-            textured = not value > t1
-            value = max(value, 0)
-        else:
-            textured = not texturization(responses, x, y, parameters.patches) < t2
-        if textured and not settings.report_rejected:
+            level = LEVEL_GAIN * local_mean(responses, x, y)
+            value = float(peaks[y, x]) - min(settings.sigma2, MAX_WEIGHT) * level
+            return value, value > t1
+        return float(peaks[y, x]), texturization(responses, x, y, parameters.patches) < t2
+
+    least = 0.0 if settings.target_corners else t1
+    corners = corner_map(peaks, least, parameters.ties, parameters.suppression)
+    if settings.target_corners:
+        judged = [judge(y, x, least) for y, x in np.argwhere(corners).tolist()]
+        beyond = sorted(value for value, accepted in judged if accepted)[: -settings.target_corners]
+        t1 = max(settings.sigma1 * settings.floor, *beyond[-1:])
+
+    found: list[tuple[float, float, float, int]] = []
+    for y, x in np.argwhere(corners & (peaks > t1)).tolist():
+        value, accepted = judge(y, x, t1)
+        if not accepted and not settings.report_rejected:
             continue
         if parameters.fit == "gradient":
             dx, dy, flag = gradient_step(image[y - 4 : y + 5, x - 4 : x + 5])
         else:
             coefficients = surface(peaks[y - 1 : y + 2, x - 1 : x + 2], parameters.fit)
             dx, dy, flag = peak(coefficients, printed=parameters.fit == "printed")
-        found.append((x + dx, y + dy, value, flag | (Flag.TEXTURED if textured else Flag(0))))
+        found.append((x + dx, y + dy, max(value, 0), flag | (Flag(0) if accepted else Flag.TEXTURED)))
+    found = found[: settings.max_corners or None]
     columns = np.array(found, dtype=np.float64).reshape(-1, 4).T
     return Corners(x=columns[0], y=columns[1], response=columns[2], flags=columns[3].astype(np.uint8))

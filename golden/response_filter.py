@@ -7,17 +7,13 @@ and merges the peaks that D may have on either side of a saddle.
 
 from __future__ import annotations
 
-from golden.parameters import ResponseFilter
 from golden.preprocessing import IntArray
 
 
-def response_filter(responses: IntArray, kind: ResponseFilter) -> IntArray:
+def response_filter(responses: IntArray) -> IntArray:
     """S out of D: (height, width) in, (height-2, width-2) out.
 
-    ``"binomial"``: the mean over 3x3 with weights [1 2 1]ᵀ[1 2 1], rounded to nearest, halves up; no wider than D.
-    ``"none"``: D itself.
+    The mean over 3x3 with weights [1 2 1]ᵀ[1 2 1], rounded to nearest, halves up; no wider than D.
     """
-    if kind == "none":
-        return responses[1:-1, 1:-1]
     down = responses[:-2] + 2 * responses[1:-1] + responses[2:]
     return (down[:, :-2] + 2 * down[:, 1:-1] + down[:, 2:] + 8) >> 4

@@ -1,4 +1,4 @@
-"""Thresholds of one frame: sigma1 and sigma2 times the reference response."""
+"""Thresholds of one frame: sigma1 and sigma2 times the reference response, or what a target asks for."""
 
 from __future__ import annotations
 
@@ -24,10 +24,17 @@ def choose_reference(settings: Settings, previous_maximum: int | None) -> int:
     return max(previous_maximum, settings.floor)
 
 
-def thresholds(settings: Settings, reference: int, parameters: Parameters) -> Thresholds:
-    """T1 = sigma1 · Dref and T2 = sigma2 · Dref, rounded down."""
+def thresholds(
+    settings: Settings, reference: int, parameters: Parameters, adapted: int | None = None
+) -> Thresholds:
+    """T1 = sigma1 · Dref and T2 = sigma2 · Dref, rounded down.
+
+    With a target T1 is ``adapted`` instead, but no less than sigma1 · floor; None: no frame before has been counted.
+    """
     t1 = (settings.sigma1_fixed * reference) >> SIGMA_BITS
-    if parameters.texture == "mean":
-        return Thresholds(t1, settings.mean_weight)
     t2 = (settings.sigma2_fixed * reference * parameters.pixels_per_region) >> SIGMA_BITS
+    if parameters.texture == "mean":
+        t2 = settings.mean_weight
+    if settings.target_corners and adapted is not None:
+        t1 = max((settings.sigma1_fixed * settings.floor) >> SIGMA_BITS, adapted)
     return Thresholds(t1, t2)

@@ -15,7 +15,8 @@ end of line too early             the frame is cut, and what follows dropped up 
 end of line too late              what is too much is dropped, up to the end of line; the frame goes on
 ================================  =========================================================================
 
-A cut frame leaves nothing behind: the next frame's reference is the largest response of the last *complete* frame.
+A cut frame leaves nothing behind: the next frame's reference is the largest response of the last *complete* frame,
+and it is that one's corners that its T1 is adapted to.
 """
 
 from __future__ import annotations
@@ -26,11 +27,11 @@ from enum import IntFlag
 
 import numpy as np
 
-from golden.detector import frame_records, pixel_dtype, response_map
+from golden.detector import frame_records, next_threshold, pixel_dtype, response_map, within_budget
 from golden.output_constructor import COUNT_BITS, FrameEnd, Records, encode_frame_end
 from golden.parameters import SUPPORT, Parameters, Settings, check_integer
-from golden.preprocessing import Image, IntArray
-from golden.thresholds import choose_reference, thresholds
+from golden.preprocessing import Image
+from golden.thresholds import Thresholds, choose_reference, thresholds
 
 NO_LIMIT = (1 << COUNT_BITS) - 1
 """``max_records`` that no frame reaches."""
@@ -56,7 +57,7 @@ class Event(IntFlag):
     EOL_MISSING = 1 << 7
     """A whole further line's pixels came without an end of line; they were dropped."""
     RECORDS_DROPPED = 1 << 8
-    """A frame had more corners than may be reported."""
+    """A frame had more corners than may be reported, be it by ``max_records`` or by ``Settings.max_corners``."""
     SIZE_CHANGED = 1 << 9
     """The frame size was set while a frame was under way, for which the old one holds."""
     SIZE_REFUSED = 1 << 10
@@ -112,7 +113,7 @@ class Packet:
     frame, cut
         As in the end-of-frame record.
     found
-        Corners of a complete frame, those that were too many included.
+        Corners of a complete frame, those that were too many by either limit included.
     pixels
         Of the frame, as far as it came; a complete one has width x height.
     """
@@ -152,6 +153,7 @@ class VideoModel:
         self.events = Event(0)
         self.dropped_records = 0
         self._maximum: int | None = None
+        self._adapted: int | None = None
         self._frame = 0
         self._now: VideoSettings | None = None
         self._pixels: list[int] = []
@@ -230,9 +232,10 @@ class VideoModel:
     def _complete(self, now: VideoSettings) -> Packet:
         image = self._image(now)
         responses = response_map(image, self.parameters)
-        records = self._records(image, responses, now)
+        limits = self._limits(now)
+        records = frame_records(image, responses, limits, self.parameters, now.settings.report_rejected)
         maximum = int(responses.max())
-        kept = records[: now.max_records]
+        kept = within_budget(records, now.settings)[: now.max_records]
         self.dropped_records += len(records) - len(kept)
         if len(kept) < len(records):
             self.events |= Event.RECORDS_DROPPED
@@ -240,17 +243,25 @@ class VideoModel:
         end = encode_frame_end(FrameEnd(len(kept), self._frame, maximum))
         packet = Packet(np.append(kept, np.uint64(end)), self._frame, False, len(records), image)
         self._maximum = maximum
+        self._adapted = next_threshold(image, responses, limits, self.parameters, now.settings)
         self._end()
         return packet
 
     def _cut(self) -> Packet:
         assert self._now is not None
-        image = self._image(self._now)
-        responses = response_map(image, self.parameters)
-        records = self._records(image, responses, self._now, pixels=len(self._pixels))
+        image, settings = self._image(self._now), self._now.settings
+        records = frame_records(
+            image,
+            response_map(image, self.parameters),
+            self._limits(self._now),
+            self.parameters,
+            settings.report_rejected,
+            pixels=len(self._pixels),
+        )
         self.events |= Event.FRAME_CUT
         pixels = np.array(self._pixels, pixel_dtype(self.parameters))
-        packet = Packet(records[: self._now.max_records], self._frame, True, 0, pixels)
+        kept = within_budget(records, settings)[: self._now.max_records]
+        packet = Packet(kept, self._frame, True, 0, pixels)
         self._after, self._dropped, self._surplus = False, 0, False
         self._end()
         return packet
@@ -265,12 +276,9 @@ class VideoModel:
         image[: len(self._pixels)] = self._pixels
         return image.reshape(now.height, now.width)
 
-    def _records(
-        self, image: Image, responses: IntArray, now: VideoSettings, pixels: int | None = None
-    ) -> Records:
-        limits = thresholds(now.settings, choose_reference(now.settings, self._maximum), self.parameters)
-        rejected = now.settings.report_rejected
-        return frame_records(image, responses, limits, self.parameters, rejected, pixels=pixels)
+    def _limits(self, now: VideoSettings) -> Thresholds:
+        reference = choose_reference(now.settings, self._maximum)
+        return thresholds(now.settings, reference, self.parameters, self._adapted)
 
 
 def marked(image: Image, *, sof: bool = True, eol: bool = True) -> list[tuple[int, bool, bool]]:

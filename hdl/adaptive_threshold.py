@@ -11,6 +11,7 @@ from amaranth.lib.wiring import In, Out
 from golden.adaptive_threshold import LEVEL_SHIFT
 from golden.parameters import MEAN_WEIGHT_FRACTION_BITS, WINDOW_SIZE, Parameters
 from hdl.delay_line import DelayLine
+from hdl.response_filter import filtered_rows
 from hdl.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.texture_filter import texture_layout
 from hdl.thresholds import thresholds_layout
@@ -33,8 +34,8 @@ class AdaptiveThreshold(wiring.Component):
     i
         Stream of ``Columns(unsigned(response_bits), 9)`` of D.
     centres
-        Stream of ``Columns(unsigned(response_bits), 3)`` of S, as :class:`hdl.centre_rows.CentreRows` or
-        :class:`hdl.response_filter.ResponseFilter` makes it of ``i`` at the same time.
+        Stream of ``Columns(unsigned(response_bits), 3)`` of S, as :class:`hdl.centre_rows.CentreRows` makes it of
+        ``i`` at the same time, or of ``filtered_rows`` as :class:`hdl.response_filter.ResponseFilter` does.
     thresholds
         Stream of ``thresholds_layout(parameters)``, one per frame, taken with the frame's last result.
     o
@@ -46,10 +47,11 @@ class AdaptiveThreshold(wiring.Component):
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
         response = unsigned(parameters.response_bits)
+        self._rows = filtered_rows(parameters) if parameters.response_filter == "binomial" else 3
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(response, WINDOW_SIZE))),
-                "centres": In(stream.Signature(Columns(response, 3))),
+                "centres": In(stream.Signature(Columns(response, self._rows))),
                 "thresholds": In(stream.Signature(thresholds_layout(parameters))),
                 "o": Out(stream.Signature(Beat(texture_layout(parameters)))),
             }
@@ -111,10 +113,13 @@ class AdaptiveThreshold(wiring.Component):
         return total
 
     def _centre(self, pipe: Pipeline) -> Signal:
-        """S of the window's centre, at clock 3: what came one column before the newest of ``centres``, at clock 2."""
-        newest = self.centres.payload.data[1]
-        before = pipe.register(newest, "centre_column", when=self.centres.valid)
-        return pipe.register(before, "centre")
+        """S of the window's centre, at clock 3. At clock 2 it is as many columns behind the newest as rows above."""
+        value, reach = self.centres.payload.data[self._rows // 2], self._rows // 2
+        for k in range(reach):
+            value = pipe.register(
+                value, "centre_column" if k == 0 else f"centre_column_{k}", when=self.centres.valid
+            )
+        return pipe.register(value, "centre")
 
 
 def _times(value: Value, weight: Value) -> Value:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Module, Signal, Value
+from amaranth.hdl import C, Module, Mux, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import COORDINATE_BITS, MARGIN, OFFSET_BITS, Parameters
+from golden.output_constructor import COUNT_BITS
+from golden.parameters import BUDGET_BITS, COORDINATE_BITS, MARGIN, OFFSET_BITS, Parameters
 from hdl.corner_detection import corner_layout
 from hdl.derivatives import derivatives_layout
 from hdl.queue import Queue
@@ -19,7 +20,10 @@ PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
 
 
 def note_layout(parameters: Parameters) -> data.StructLayout:
-    """What a record needs besides the offset; ``end`` marks the end of a frame instead of a corner."""
+    """What a record needs besides the offset; ``end`` marks the end of a frame instead of a corner.
+
+    With ``budget`` x and y of an end are, side by side, the number of corners that the frame had.
+    """
     return data.StructLayout(
         {
             "x": PIXEL_COORDINATE_BITS,
@@ -50,6 +54,8 @@ class CandidateSelection(wiring.Component):
     in queues, whose filling alone decides, in a register, whether the blocks before may move: these are always in
     step with each other.
 
+    With ``budget`` no more than ``max_corners`` are picked of a frame, unless that is 0; the others are counted.
+
     Members
     -------
     corners
@@ -65,6 +71,8 @@ class CandidateSelection(wiring.Component):
         Stream of ``note_layout(parameters)``.
     mark
         With ``video_out`` only: stream of ``mark_layout()``, one for every window.
+    max_corners
+        With ``budget`` only: steady from before a frame's first window to its last.
     """
 
     latency = Queue.latency
@@ -81,6 +89,7 @@ class CandidateSelection(wiring.Component):
                 "candidate": Out(stream.Signature(surface)),
                 "note": Out(stream.Signature(note_layout(parameters))),
                 **({"mark": Out(stream.Signature(mark_layout()))} if parameters.video_out else {}),
+                **({"max_corners": In(BUDGET_BITS)} if parameters.budget else {}),
             }
         )
 
@@ -93,7 +102,8 @@ class CandidateSelection(wiring.Component):
 
         room, step, ending = Signal(init=1), Signal(), Signal()
         # a clock late, and an end follows yet: for this, too, there is room
-        marks_room = self._marks(m, step) if p.video_out else C(1)
+        allowed, place_of_end = self._budget(m, step, ending) if p.budget else (None, None)
+        marks_room = self._marks(m, step, allowed) if p.video_out else C(1)
         m.d.sync += room.eq(candidates.room & notes.room & marks_room)
         m.d.comb += [
             *(source.ready.eq(room) for source in (self.corners, self.textures, self.surfaces)),
@@ -110,29 +120,44 @@ class CandidateSelection(wiring.Component):
         # the next window is at least a row's first eight columns away: the end never meets a candidate
         m.d.sync += ending.eq(step & self.corners.payload.eof)
 
-        picked = Signal()
+        picked, wanted, place = Signal(), step & corner.corner & texture.keep, (x, y)
+        if allowed is not None and place_of_end is not None:
+            wanted &= allowed
+            place = tuple(Mux(ending, *choice) for choice in zip(place_of_end, place, strict=True))
         m.d.comb += [
-            picked.eq(step & corner.corner & texture.keep),
+            picked.eq(wanted),
             candidates.i.valid.eq(picked),
             candidates.i.payload.eq(self.surfaces.payload),
             notes.i.valid.eq(picked | ending),
-            notes.i.payload.x.eq(x),
-            notes.i.payload.y.eq(y),
+            notes.i.payload.x.eq(place[0]),
+            notes.i.payload.y.eq(place[1]),
             notes.i.payload.response.eq(texture.response if p.texture == "mean" else corner.response),
             notes.i.payload.textured.eq(texture.textured),
             notes.i.payload.end.eq(ending),
         ]
         return m
 
-    def _marks(self, m: Module, step: Signal) -> Value:
+    def _budget(self, m: Module, step: Signal, ending: Signal) -> tuple[Signal, tuple[Value, Value]]:
+        """Whether more may be picked of the frame, and how many could have been so far, as x and y of its end.
+
+        Two clocks late, as no two corners come in two clocks in a row.
+        """
+        allowed, found = Signal(), Signal(COUNT_BITS)
+        m.d.sync += allowed.eq((self.max_corners == 0) | (found < self.max_corners))
+        with m.If(ending):
+            m.d.sync += found.eq(0)
+        with m.Elif(step & self.corners.payload.data.corner & self.textures.payload.data.keep):
+            m.d.sync += found.eq(found + 1)
+        return allowed, (found[:PIXEL_COORDINATE_BITS], found[PIXEL_COORDINATE_BITS:])
+
+    def _marks(self, m: Module, step: Signal, allowed: Signal | None) -> Value:
         """A mark of every window into a queue of its own; returns whether that has room."""
         m.submodules.marks = marks = Queue(mark_layout(), MARKS)
         wiring.connect(m, marks.o, wiring.flipped(self.mark))
+        corner = self.corners.payload.data.corner & ~self.textures.payload.data.textured
         m.d.comb += [
             marks.i.valid.eq(step),
-            marks.i.payload.corner.eq(
-                self.corners.payload.data.corner & ~self.textures.payload.data.textured
-            ),
+            marks.i.payload.corner.eq(corner if allowed is None else corner & allowed),
             marks.i.payload.eol.eq(self.corners.payload.eol),
             marks.i.payload.eof.eq(self.corners.payload.eof),
         ]

@@ -13,8 +13,9 @@ from hdl.stream import Beat, Columns, Pipeline, WindowCounter
 
 
 def corner_layout(parameters: Parameters) -> data.StructLayout:
-    """Is the pixel a corner, and its response."""
-    return data.StructLayout({"corner": 1, "response": parameters.response_bits})
+    """Is the pixel a corner, and its response; with ``budget`` also whether it would be one but for T1."""
+    counted = {"peak": 1} if parameters.budget else {}
+    return data.StructLayout({"corner": 1, "response": parameters.response_bits, **counted})
 
 
 class CornerDetection(wiring.Component):

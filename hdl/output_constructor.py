@@ -32,6 +32,8 @@ class OutputConstructor(wiring.Component):
         Stream of each frame's largest response, taken at its end.
     o
         Stream of ``record_layout()``.
+    found
+        With ``budget`` only: corners of the frame whose end-of-frame record is on offer, not only those reported.
     """
 
     latency = 1
@@ -44,6 +46,7 @@ class OutputConstructor(wiring.Component):
                 "offset": In(stream.Signature(offset_layout(parameters.fit))),
                 "maximum": In(stream.Signature(unsigned(parameters.response_bits))),
                 "o": Out(stream.Signature(record_layout())),
+                **({"found": Out(COUNT_BITS)} if parameters.budget else {}),
             }
         )
 
@@ -78,4 +81,7 @@ class OutputConstructor(wiring.Component):
                 self.o.payload.record.eq(Mux(note.end, end, corner)),
                 self.o.payload.last.eq(note.end),
             ]
+        if self._parameters.budget:
+            with m.If(step & note.end):
+                m.d.sync += self.found.eq(Cat(note.x, note.y))
         return m

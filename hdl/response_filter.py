@@ -11,17 +11,19 @@ from amaranth.lib.wiring import In, Out
 from golden.parameters import WINDOW_SIZE, Parameters
 from hdl.stream import Columns, Pipeline, WindowCounter
 
-_LATE = WINDOW_SIZE // 2 - 1
-_SMOOTHED_LATE = _LATE - 1
-"""S of a column needs the next column's D, so it comes one late by itself."""
+
+def filtered_rows(parameters: Parameters) -> int:
+    """Rows of S that are needed: those of the neighbourhood in which a corner is the largest."""
+    return 2 * parameters.suppression + 1
 
 
 class ResponseFilter(wiring.Component):
     """S (``golden.response_filter``) of the middle rows, so late that windows of 3 and of 9 are complete together.
 
-    Does what :class:`hdl.centre_rows.CentreRows` does, in the same clocks, with S instead of D.
+    Does what :class:`hdl.centre_rows.CentreRows` does, in the same clocks, with S instead of D, and with
+    ``suppression`` r above 1 for as many rows and columns around each centre.
 
-        clock 1   a + 2b + c down the column, of five rows
+        clock 1   a + 2b + c down the column
         clock 2   the same along the row: pairs of neighbours, and pairs of these
 
     Members
@@ -29,31 +31,35 @@ class ResponseFilter(wiring.Component):
     i
         Stream of ``Columns(unsigned(response_bits), 9)``.
     o
-        Stream of ``Columns(unsigned(response_bits), 3)``, rows six positions shorter.
+        Stream of ``Columns(unsigned(response_bits), 2r + 1)``, rows 8 - 2r positions shorter.
     """
 
     latency = 2
 
     def __init__(self, parameters: Parameters) -> None:
         self._response = unsigned(parameters.response_bits)
+        self._rows = filtered_rows(parameters)
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(self._response, WINDOW_SIZE))),
-                "o": Out(stream.Signature(Columns(self._response, 3))),
+                "o": Out(stream.Signature(Columns(self._response, self._rows))),
             }
         )
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
-        window = WindowCounter(m, 2 * _LATE + 1, step=pipe.valid & pipe.advance, eol=self.i.payload.eol)
+        step, reach = pipe.valid & pipe.advance, self._rows // 2
+        window = WindowCounter(m, WINDOW_SIZE - 2 * reach, step=step, eol=self.i.payload.eol)
         beat = pipe.register(pipe.valid, "beat", reset=True)
         middle = WINDOW_SIZE // 2
-        for k, row in enumerate(range(middle - 1, middle + 2)):
+        # S of a column needs the next column's D, so it comes one late by itself
+        columns_late = middle - reach - 1
+        for k, row in enumerate(range(middle - reach, middle + reach + 1)):
             down = pipe.register(self._down(row), f"down_{k}")
             pair = down + pipe.register(down, f"down_before_{k}", when=beat)
             smoothed = (pair + pipe.register(pair, f"pair_before_{k}", when=beat))[4:]
-            for late in range(_SMOOTHED_LATE + 1):
+            for late in range(columns_late + 1):
                 smoothed = pipe.register(smoothed, f"smoothed_{k}_{late}", when=beat)
             m.d.comb += self.o.payload.data[k].eq(smoothed)
         m.d.comb += [

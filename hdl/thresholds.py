@@ -9,15 +9,23 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import (
+    BUDGET_BITS,
     MEAN_WEIGHT_BITS,
     MEAN_WEIGHT_FRACTION_BITS,
     SIGMA2_INTEGER_BITS,
     SIGMA_BITS,
     Parameters,
 )
+from hdl.adaptation import adapted_layout
 from hdl.stream import Beat
 
 SIGMA2_BITS = SIGMA_BITS + SIGMA2_INTEGER_BITS
+
+
+def budget_fields(parameters: Parameters) -> dict[str, int]:
+    """What ``budget`` adds to settings and thresholds alike."""
+    fields = ("max_corners", "target_corners")
+    return dict.fromkeys(fields, BUDGET_BITS) if parameters.budget else {}
 
 
 def settings_layout(parameters: Parameters) -> data.StructLayout:
@@ -30,6 +38,7 @@ def settings_layout(parameters: Parameters) -> data.StructLayout:
             "constant": parameters.response_bits,
             "floor": parameters.response_bits,
             "report_rejected": 1,
+            **budget_fields(parameters),
         }
     )
 
@@ -42,6 +51,7 @@ def thresholds_layout(parameters: Parameters) -> data.StructLayout:
             "t1": parameters.response_bits,
             "t2": MEAN_WEIGHT_BITS if parameters.texture == "mean" else t2_bits,
             "report_rejected": 1,
+            **budget_fields(parameters),
         }
     )
 
@@ -54,6 +64,8 @@ class Thresholds(wiring.Component):
     Watches the responses on their way from ``i`` to ``o`` for the largest. With a frame's first response it
     takes that frame's settings and multiplies, one bit of sigma per clock, long before the frame's first window.
 
+    With ``budget``, a target, and T1 adapted to the frame before, T1 is the larger of that and sigma1 · floor.
+
     Members
     -------
     i, o
@@ -65,6 +77,8 @@ class Thresholds(wiring.Component):
         Stream of ``thresholds_layout(parameters)``, one per frame; take it when the frame is done with.
     maximum
         Stream of the largest response, one per frame, after its last beat.
+    adapted, adapting
+        With ``budget`` only: ``adapted_layout(parameters)``, and that it is not there yet: a first beat waits for it.
     """
 
     latency = 0
@@ -79,13 +93,18 @@ class Thresholds(wiring.Component):
                 "settings": In(stream.Signature(settings_layout(parameters))),
                 "thresholds": Out(stream.Signature(thresholds_layout(parameters))),
                 "maximum": Out(stream.Signature(unsigned(parameters.response_bits))),
+                **(
+                    {"adapted": In(adapted_layout(parameters)), "adapting": In(1)}
+                    if parameters.budget
+                    else {}
+                ),
             }
         )
 
     @property
     def clocks(self) -> int:
         """Clocks from a frame's first response to its thresholds."""
-        return SIGMA2_BITS + 3
+        return SIGMA2_BITS + 3 + self._parameters.budget
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -96,7 +115,8 @@ class Thresholds(wiring.Component):
         may_start, start, step, pass_on = Signal(), Signal(), Signal(), Signal()
         busy = Signal()
         # a register, because it decides about readiness
-        m.d.sync += may_start.eq(self.settings.valid & ~busy & ~self.thresholds.valid & ~start)
+        free = self.settings.valid & ~busy & ~self.thresholds.valid & ~start
+        m.d.sync += may_start.eq(free & ~self.adapting if self._parameters.budget else free)
         m.d.comb += [
             pass_on.eq((~first | may_start) & ~(eof & self.maximum.valid)),
             self.o.payload.eq(self.i.payload),
@@ -135,13 +155,18 @@ class Thresholds(wiring.Component):
         count = Signal(range(SIGMA2_BITS))
         # classic multipliers: the product grows into the register from which sigma is shifted out
         product1, product2 = Signal(bits + SIGMA2_BITS), Signal(scaled_bits + SIGMA2_BITS)
-        products, weight = [(product1, reference), (product2, scaled)], Signal(MEAN_WEIGHT_BITS)
-        if self._parameters.texture == "mean":
-            products = products[:1]
+        weight = Signal(MEAN_WEIGHT_BITS)
         t1, t2 = self.thresholds.payload.t1, self.thresholds.payload.t2
+        factor1, result1 = reference, product1[SIGMA_BITS:]
+        delivered = [self.thresholds.valid.eq(1), busy.eq(0)]
 
         with m.If(self.thresholds.ready):
             m.d.sync += self.thresholds.valid.eq(0)
+        if self._parameters.budget:
+            factor1, result1, delivered = self._budget(m, referred, reference, result1, delivered)
+        products = [(product1, factor1), (product2, scaled)]
+        if self._parameters.texture == "mean":
+            products = products[:1]
         m.d.sync += [chosen.eq(start), referred.eq(chosen)]
         m.d.comb += self.settings.ready.eq(referred)
         with m.If(~busy):
@@ -167,12 +192,34 @@ class Thresholds(wiring.Component):
                 m.d.sync += product.eq(Cat(product[1:SIGMA2_BITS], high))
             m.d.sync += count.eq(count + 1)
             with m.If(count == SIGMA2_BITS - 1):
-                m.d.sync += [multiplying.eq(0), self.thresholds.valid.eq(1), busy.eq(0)]
+                m.d.sync += [multiplying.eq(0), *delivered]
         m.d.comb += [
-            t1.eq(product1[SIGMA_BITS:]),
+            t1.eq(result1),
             t2.eq(weight if self._parameters.texture == "mean" else product2[SIGMA_BITS:]),
             self.thresholds.payload.report_rejected.eq(report_rejected),
         ]
+
+    def _budget(
+        self, m: Module, referred: Signal, reference: Signal, product1: Value, delivered: list[Any]
+    ) -> tuple[Signal, Value, list[Any]]:
+        """With ``budget``: what sigma1 is multiplied by, T1, and what is to be done when the product is there."""
+        settings, limits = self.settings.payload, self.thresholds.payload
+        follows, finished = Signal(), Signal()
+        factor1, t1 = Signal.like(reference, name="factor1"), Signal.like(reference, name="t1")
+        follow = self.adapted.known & (settings.target_corners != 0)
+        kept = {name: Signal(bits, name=name) for name, bits in budget_fields(self._parameters).items()}
+        with m.If(referred):
+            m.d.sync += [follows.eq(follow), factor1.eq(Mux(follow, settings.floor, reference))]
+            m.d.sync += [register.eq(settings[name]) for name, register in kept.items()]
+        m.d.comb += [limits[name].eq(register) for name, register in kept.items()]
+        # a clock more, so that what follows sees a register; `adapted` stays up to the frame's end
+        m.d.sync += [
+            finished.eq(0),
+            t1.eq(Mux(follows & (self.adapted.t1 > product1), self.adapted.t1, product1)),
+        ]
+        with m.If(finished):
+            m.d.sync += delivered
+        return factor1, t1, [finished.eq(1)]
 
 
 def _mean_weight(sigma2: Value) -> Value:

@@ -102,8 +102,9 @@ def describe_record(word: int | None) -> str:
     return f"({corners.x[0]:.4f}, {corners.y[0]:.4f}) D={corners.response[0]}{names}"
 
 
-def _levels(frame: Frame) -> dict[str, int]:
+def _levels(frame: Frame, parameters: Parameters) -> dict[str, int]:
     image, settings = frame
+    budget = {"max_corners": settings.max_corners, "target_corners": settings.target_corners}
     return {
         "width": image.shape[1],
         "height": image.shape[0],
@@ -113,6 +114,7 @@ def _levels(frame: Frame) -> dict[str, int]:
         "constant": settings.constant,
         "floor": settings.floor,
         "report_rejected": int(settings.report_rejected),
+        **(budget if parameters.budget else {}),
     }
 
 
@@ -131,7 +133,7 @@ def frame_stimulus(frames: Sequence[Frame], parameters: Parameters, stalls: Stal
         settings.check(parameters)
     starts = np.cumsum([0] + [image.size for image, _ in frames])
     pixels = np.concatenate([np.ravel(image) for image, _ in frames]).astype(np.uint64)
-    levels = [(int(start), _levels(frame)) for start, frame in zip(starts, frames, strict=False)]
+    levels = [(int(start), _levels(frame, parameters)) for start, frame in zip(starts, frames, strict=False)]
     return Stimulus({"i": pixels}, levels, stalls)
 
 

@@ -7,8 +7,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from golden import Parameters
-from golden.corner_detection import corner_detection
-from golden.detector import RESPONSE_MARGIN, response_map
+from golden.detector import corner_map, response_map
 from golden.parameters import MARGIN, WINDOW_SIZE
 from golden.preprocessing import Image
 from golden.texture_filter import texture_filter
@@ -18,11 +17,10 @@ from golden.thresholds import Thresholds
 def accepted(image: Image, limits: Thresholds, parameters: Parameters) -> NDArray[np.bool_]:
     """Where a whole pixel is a corner that the texture filter lets pass."""
     responses = response_map(image, parameters)
-    inner = MARGIN - RESPONSE_MARGIN
-    corners = corner_detection(responses, limits.t1, parameters.ties)[inner - 1 :, inner - 1 :]
+    corners = corner_map(responses, limits.t1, parameters)
     plain = texture_filter(
         sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE)), limits.t2, parameters.patches
     )
     result = np.zeros(image.shape, bool)
-    result[MARGIN:-MARGIN, MARGIN:-MARGIN] = corners[: plain.shape[0], : plain.shape[1]] & plain
+    result[MARGIN:-MARGIN, MARGIN:-MARGIN] = corners & plain
     return result

@@ -193,8 +193,8 @@ MUTATIONS = {
     ),
     "smoothed responses come a column early": Mutation(
         "hdl/response_filter.py",
-        "_SMOOTHED_LATE = _LATE - 1",
-        "_SMOOTHED_LATE = _LATE - 2",
+        "columns_late = middle - reach - 1",
+        "columns_late = middle - reach - 2",
         "tests/hdl/test_response_filter.py",
         "by_hand and amaranth",
     ),

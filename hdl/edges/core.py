@@ -70,6 +70,8 @@ class Core(wiring.Component):
             *(bank.events[name].eq(video.events[name]) for name, _ in video.events.shape()),
             self.irq.eq(bank.irq),
         ]
+        if self._parameters.budget:
+            m.d.comb += bank.kept.eq(video.kept)
         if not self._ends_of_line:
             m.d.comb += video.control.ignore_eol.eq(1)
         outputs = [self.records]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Mux, Signal
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -37,6 +37,11 @@ class PacketConstructor(wiring.Component):
     The detector counts records and frames too, but forgets both when it is restarted; here nothing is forgotten, so
     every packet says how many records it has, and frame numbers go on.
 
+    Parameters
+    ----------
+    budget
+        The detector has a limit of its own, and says how many corners it found.
+
     Members
     -------
     i
@@ -47,6 +52,8 @@ class PacketConstructor(wiring.Component):
         Start counting anew, as at reset. A beat at the output stays.
     max_records
         Records that a packet may have before its last.
+    found
+        With ``budget`` only: corners of the frame that ends, not only those that the detector reported.
     o
         Stream of ``record_layout()``, all of it registers.
     done
@@ -62,7 +69,8 @@ class PacketConstructor(wiring.Component):
 
     latency = 1
 
-    def __init__(self) -> None:
+    def __init__(self, *, budget: bool = False) -> None:
+        self._budget = budget
         super().__init__(
             {
                 "i": In(stream.Signature(record_layout())),
@@ -70,6 +78,7 @@ class PacketConstructor(wiring.Component):
                 "closed": Out(1),
                 "clear": In(1),
                 "max_records": In(COUNT_BITS, init=NO_LIMIT),
+                **({"found": In(COUNT_BITS)} if budget else {}),
                 "o": Out(stream.Signature(record_layout())),
                 "done": Out(1),
                 "results": Out(results_layout()),
@@ -84,6 +93,7 @@ class PacketConstructor(wiring.Component):
         count, dropped = Signal(COUNT_BITS), Signal(COUNT_BITS)
         free, step, full, send = Signal(), Signal(), Signal(), Signal()
         last = self.i.payload.last
+        dropping = step & ~last & full
         maximum = self.i.payload.record[RESPONSE_SHIFT : RESPONSE_SHIFT + RESPONSE_FIELD_BITS]
         m.d.comb += [
             free.eq(~self.o.valid | self.o.ready),
@@ -94,7 +104,7 @@ class PacketConstructor(wiring.Component):
             self.closed.eq(self.close & free),
             events.frame_done.eq(self.done),
             events.frame_cut.eq(self.closed),
-            events.records_dropped.eq(step & ~last & full),
+            events.records_dropped.eq(dropping | self._left_out(m) if self._budget else dropping),
         ]
         # a clock ahead; the number of records grows by one at most
         with m.If(self.done | self.closed | self.clear):
@@ -126,8 +136,16 @@ class PacketConstructor(wiring.Component):
                 results.maximum.eq(maximum),
                 self.any_results.eq(1),
             ]
+            if self._budget:
+                m.d.sync += [results.corners.eq(self.found), results.dropped.eq(self.found - count)]
         with m.If(self.done | self.closed):
             m.d.sync += results.frames.eq(results.frames + 1)
         with m.If(self.clear):
             m.d.sync += [results.eq(0), self.any_results.eq(0)]
         return m
+
+    def _left_out(self, m: Module) -> Value:
+        """A clock after a frame's end: it had corners that are not in its packet."""
+        after = Signal()
+        m.d.sync += after.eq(self.done)
+        return after & (self.results.dropped != 0)

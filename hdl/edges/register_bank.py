@@ -10,6 +10,7 @@ from amaranth.lib.wiring import In, Out
 
 from golden.parameters import SUPPORT, Parameters
 from golden.video import Event
+from hdl.adaptation import adapted_layout
 from hdl.edges.frame_guard import events_layout
 from hdl.edges.packet_constructor import results_layout
 from hdl.edges.register_map import (
@@ -63,7 +64,7 @@ class RegisterBank(wiring.Component):
         ``control_layout(parameters)``.
     timeout
         Clocks.
-    active, results, clocks, reset_done
+    active, results, kept, clocks, reset_done
         As of ``VideoDetector``.
     events
         ``events_layout(*OTHER_EVENTS)``.
@@ -84,6 +85,7 @@ class RegisterBank(wiring.Component):
                 "timeout": Out(TIMEOUT_BITS, init=self.registers["TIMEOUT"].reset),
                 "active": In(1),
                 "results": In(results_layout()),
+                **({"kept": In(adapted_layout(parameters))} if parameters.budget else {}),
                 "clocks": In(CLOCK_BITS),
                 "reset_done": In(1),
                 "events": In(events_layout(*OTHER_EVENTS)),
@@ -116,6 +118,8 @@ class RegisterBank(wiring.Component):
         for place in (self.control, self.control.settings, self.results):
             if name in dict(place.shape()):
                 return Value.cast(place[name])
+        if self._parameters.budget and name in ("adapted_t1", "adapted"):
+            return Value.cast(self.kept.t1 if name == "adapted_t1" else self.kept.known)
         return {"timeout": self.timeout, "clocks": self.clocks}.get(name)
 
     def _contents(self, register: Register) -> Value:

@@ -6,7 +6,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 from golden.output_constructor import COUNT_BITS, FRAME_BITS, RESPONSE_FIELD_BITS
-from golden.parameters import PROFILES, SIGMA2_INTEGER_BITS, SIGMA_BITS, SUPPORT, Parameters, Settings
+from golden.parameters import (
+    BUDGET_BITS,
+    PROFILES,
+    SIGMA2_INTEGER_BITS,
+    SIGMA_BITS,
+    SUPPORT,
+    Parameters,
+    Settings,
+)
 from golden.version import VERSION
 from golden.video import NO_LIMIT, Event
 
@@ -77,7 +85,8 @@ class Register:
 
 def register_map(parameters: Parameters) -> tuple[Register, ...]:
     """All registers of a core, by address. Field names are unique."""
-    return (*_about(parameters), *_control(parameters), *_results())
+    registers = (*_about(parameters), *_control(parameters), *_results(), *_budget(parameters))
+    return tuple(sorted(registers, key=lambda register: register.address))
 
 
 def _about(p: Parameters) -> tuple[Register, ...]:
@@ -130,13 +139,7 @@ def _about(p: Parameters) -> tuple[Register, ...]:
                     "1 paper, 2 robust, 0 another mixture of what makes records.",
                     _profile(p),
                 ),
-                Field("sobel", 20, 1, "Gradients are smoothed across.", int(p.derivative == "sobel")),
-                Field(
-                    "response_filter", 21, 1, "Responses are smoothed.", int(p.response_filter == "binomial")
-                ),
-                Field(
-                    "adaptive_threshold", 22, 1, "In place of the patches' filter.", int(p.texture == "mean")
-                ),
+                *_options(p),
             ),
         ),
         Register(
@@ -152,9 +155,27 @@ def _about(p: Parameters) -> tuple[Register, ...]:
     )
 
 
+def _options(p: Parameters) -> tuple[Field, ...]:
+    """Bits that are only there with what they say, and read 0 elsewhere."""
+    options = []
+    for bit, name, text, chosen in (
+        (20, "sobel", "Gradients are smoothed across.", p.derivative == "sobel"),
+        (21, "response_filter", "Responses are smoothed.", p.response_filter == "binomial"),
+        (22, "adaptive_threshold", "In place of the patches' filter.", p.texture == "mean"),
+    ):
+        if chosen:
+            options.append(Field(name, bit, 1, text, 1))
+    if p.suppression > 1:
+        options.append(Field("suppression", 28, 3, "Radius of suppression; 0 stands for 1.", p.suppression))
+    if p.budget:
+        options.append(Field("budget", 31, 1, "BUDGET and ADAPTED are there.", 1))
+    return tuple(options)
+
+
 def _profile(p: Parameters) -> int:
-    def records(of: Parameters) -> tuple[str, ...]:
-        return of.gradient, of.derivative, of.response_filter, of.ties, of.fit, of.texture, of.patches
+    def records(of: Parameters) -> tuple[str | int, ...]:
+        kinds = (of.gradient, of.derivative, of.response_filter, of.ties, of.fit, of.texture, of.patches)
+        return *kinds, of.suppression
 
     numbers = {records(known): number for number, known in enumerate(PROFILES.values(), 1)}
     return numbers.get(records(p), 0)
@@ -297,5 +318,34 @@ def _results() -> tuple[Register, ...]:
             "ro",
             "Of the last complete frame: the next one's reference.",
             (Field("maximum", 0, RESPONSE_FIELD_BITS, "Largest response D."),),
+        ),
+    )
+
+
+def _budget(p: Parameters) -> tuple[Register, ...]:
+    if not p.budget:
+        return ()
+    return (
+        Register(
+            "BUDGET",
+            0x38,
+            "rw",
+            "Corners per frame. Of more than there may be, CORNERS and DROPPED count the rest, too.",
+            (
+                Field("max_corners", 0, BUDGET_BITS, "Most that are reported, the first ones; 0: no limit."),
+                Field(
+                    "target_corners", BUDGET_BITS, BUDGET_BITS, "Number that T1 is adapted to; 0: by SIGMA1."
+                ),
+            ),
+        ),
+        Register(
+            "ADAPTED",
+            0x54,
+            "ro",
+            "T1 that the last complete frame's target asks for in the next one.",
+            (
+                Field("adapted_t1", 0, p.response_bits, "In units of D; SIGMA1 times FLOOR is its least."),
+                Field("adapted", 31, 1, "There was such a frame, and it had a target."),
+            ),
         ),
     )

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Mux, ResetInserter, Signal
+from amaranth.hdl import Module, Mux, ResetInserter, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.output_constructor import COUNT_BITS
 from golden.parameters import Parameters, Settings
 from golden.video import NO_LIMIT
+from hdl.adaptation import adapted_layout
 from hdl.detector import Detector
 from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard, events_layout, video_layout
 from hdl.edges.overlay import Overlay, overlay_layout
@@ -66,7 +67,7 @@ class VideoDetector(wiring.Component):
 
     The detector gets whole frames only. Where one is cut, it is restarted as soon as the frames before have left it;
     until then, a few hundred clocks at most unless the output is held up, no video is taken. What a frame passes on
-    to the next, its largest response, is kept here.
+    to the next, its largest response and what T1 is adapted to, is kept here.
 
     Parameters
     ----------
@@ -93,6 +94,8 @@ class VideoDetector(wiring.Component):
         ``events_layout(*VIDEO_EVENTS)``.
     active
         A frame is under way at the input.
+    kept
+        With ``budget`` only: ``adapted_layout(parameters)``, of the last complete frame.
     reset_done
         What ``control.reset`` asks for is done; one clock long.
     """
@@ -102,7 +105,7 @@ class VideoDetector(wiring.Component):
         self._skid = SkidBuffer(video_layout(p))
         self._guard = FrameGuard(p)
         self._detector = detector or Detector(p)
-        self._packets = PacketConstructor()
+        self._packets = PacketConstructor(budget=p.budget)
         self._overlay = Overlay(p) if p.video_out else None
         super().__init__(
             {
@@ -111,6 +114,7 @@ class VideoDetector(wiring.Component):
                 "records": Out(stream.Signature(record_layout())),
                 **({"overlay": Out(stream.Signature(overlay_layout(p)))} if p.video_out else {}),
                 "results": Out(results_layout()),
+                **({"kept": Out(adapted_layout(p))} if p.budget else {}),
                 "clocks": Out(CLOCK_BITS),
                 "events": Out(events_layout(*VIDEO_EVENTS)),
                 "active": Out(1),
@@ -207,6 +211,8 @@ class VideoDetector(wiring.Component):
         empty = drained
         if self._overlay is not None:
             empty = drained & (self._in_flight(m, "shown", self._overlay.done, restart) == 0)
+        if self._parameters.budget:
+            empty &= self._kept(m, restart)
         m.d.comb += [
             ask.eq(self.control.reset | (guard.cut & empty)),
             stopped.eq(restart | closing),
@@ -224,6 +230,18 @@ class VideoDetector(wiring.Component):
             ]
         with m.If(guard.resume):
             m.d.sync += closing.eq(0)
+
+    def _kept(self, m: Module, restart: Signal) -> Value:
+        """Keeps what T1 is adapted to over a restart, but not over a reset; returns whether that is up to date.
+
+        It is soon after a frame's last window, and so is known to be not yet before the frame's end comes out.
+        """
+        with m.If(restart & self.control.reset):
+            m.d.sync += self.kept.eq(0)
+        with m.Elif(~self._detector.adapting):
+            m.d.sync += self.kept.eq(self._detector.adapted)
+        m.d.comb += [self._detector.kept.eq(self.kept), self._packets.found.eq(self._detector.found)]
+        return ~self._detector.adapting
 
     def _in_flight(self, m: Module, name: str, out: Any, restart: Signal) -> Signal:
         """Complete frames whose last pixel has gone in, but whose end has not come out."""

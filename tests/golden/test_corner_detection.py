@@ -85,3 +85,27 @@ def test_equals_the_definition(responses: NDArray[np.int32]) -> None:
             )
             expected[y - 1, x - 1] = beaten and value > t1
         assert (corner_detection(responses, t1, ties) == expected).all()
+
+
+@given(
+    arrays(
+        np.int32, array_shapes(min_dims=2, max_dims=2, min_side=9, max_side=14), elements=st.integers(0, 6)
+    ),
+    st.sampled_from(["strict", "first"]),
+    st.integers(1, 4),
+    st.integers(0, 5),
+)
+def test_any_radius_by_definition(responses: NDArray[np.int32], ties: Ties, radius: int, t1: int) -> None:
+    """Against every neighbour one by one; and two corners are never nearer than the radius and one."""
+    found = corner_detection(responses, t1, ties, radius)
+    height, width = responses.shape
+    assert found.shape == (height - 2 * radius, width - 2 * radius)
+    for y, x in np.ndindex(found.shape):
+        square = responses[y : y + 2 * radius + 1, x : x + 2 * radius + 1].ravel().tolist()
+        middle = len(square) // 2
+        centre, before, after = square[middle], square[:middle], square[middle + 1 :]
+        beats_later = centre > max(after) if ties == "strict" else centre >= max(after)
+        assert found[y, x] == (centre > max(before) and beats_later and centre > t1)
+    places = np.argwhere(found)
+    apart = np.abs(places[:, None] - places).max(axis=-1) + 99 * np.eye(len(places), dtype=int)
+    assert (apart > radius).all()

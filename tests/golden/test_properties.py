@@ -14,12 +14,10 @@ from numpy.typing import NDArray
 
 from golden import Corners, Parameters, Settings, StreamModel, detect
 from golden.convolution import smooth
-from golden.corner_detection import corner_detection
-from golden.detector import RESPONSE_MARGIN, response_map
+from golden.detector import RESPONSE_MARGIN, corner_map, peak_responses, response_map
 from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.output_constructor import Flag
 from golden.preprocessing import gradients, products
-from golden.response_filter import response_filter
 from golden.subpixel import offset_limit
 from tests.golden.offsets import bounds, offset_bounds
 from tests.strategies import detectors, images
@@ -66,15 +64,17 @@ def find(image: Image, parameters: Parameters) -> Found:
     corners = detect(image, parameters, EVERYTHING)
     responses = response_map(image, parameters)
     # the outermost rows and columns of the map have no whole window around them
-    filtered = response_filter(responses[2:-2, 2:-2], parameters.response_filter)
-    places = np.nonzero(corner_detection(filtered, 0, parameters.ties))
-    y, x = (place + 3 for place in places)
+    rows, columns = np.nonzero(corner_map(responses, 0, parameters))
+    y, x = rows + 3, columns + 3
     pixels = Corners(x + RESPONSE_MARGIN + 1.0, y + RESPONSE_MARGIN + 1.0, corners.response, corners.flags)
     assert len(pixels.x) == len(corners)
     if parameters.fit == "gradient":
         windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[y, x]
         return Found(corners, pixels, offset_bounds(normal_equations(windows), parameters))
-    patches = sliding_window_view(filtered, (3, 3))[places]
+    around = parameters.suppression - 1
+    patches = sliding_window_view(peak_responses(responses, parameters), (3, 3))[
+        rows + around, columns + around
+    ]
     return Found(corners, pixels, bounds(patches, parameters))
 
 

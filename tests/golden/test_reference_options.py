@@ -53,7 +53,7 @@ def test_filtered_responses_and_what_the_threshold_leaves_of_them(
     image: NDArray[np.uint8], parameters: Parameters
 ) -> None:
     responses, exact = response_map(image, parameters), exact_responses(image, parameters)
-    filtered = response_filter(responses, "binomial")[3:-3, 3:-3]
+    filtered = response_filter(responses)[3:-3, 3:-3]
     floating = reference.binomial(exact)[7:-7, 7:-7]
     assert (filtered - floating > LOW - 0.5 - 1e-6).all() and (filtered - floating <= HIGH + 0.5 + 1e-6).all()
     windows = sliding_window_view(responses, (9, 9))

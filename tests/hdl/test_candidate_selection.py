@@ -12,7 +12,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.sim import Simulator
 
-from golden.parameters import MARGIN, Parameters
+from golden.parameters import BUDGET_BITS, MARGIN, Parameters
 from hdl.candidate_selection import INSIDE, CandidateSelection, note_layout
 from hdl.derivatives import derivatives_layout
 from sim.engine import EngineName
@@ -44,10 +44,12 @@ class InStep(wiring.Component):
     ``broken`` says that its three inputs were not ready together.
     """
 
-    def __init__(self) -> None:
-        self.selection = CandidateSelection(PARAMETERS)
+    def __init__(self, parameters: Parameters = PARAMETERS) -> None:
+        self._budget = parameters.budget
+        self.selection = CandidateSelection(parameters)
         super().__init__(
             {
+                **({"max_corners": In(BUDGET_BITS)} if parameters.budget else {}),
                 "i": In(stream.Signature(CENTRE)),
                 "candidate": Out(stream.Signature(SURFACE)),
                 "note": Out(stream.Signature(note_layout(PARAMETERS))),
@@ -77,6 +79,8 @@ class InStep(wiring.Component):
         m.d.sync += pause.eq(self.i.valid & self.i.ready & centre.eof)
         with m.If((corners.ready != textures.ready) | (corners.ready != surfaces.ready)):
             m.d.sync += self.broken.valid.eq(1)
+        if self._budget:
+            m.d.comb += selection.max_corners.eq(self.max_corners)
         wiring.connect(m, selection.candidate, wiring.flipped(self.candidate))
         wiring.connect(m, selection.note, wiring.flipped(self.note))
         return m
@@ -215,3 +219,33 @@ def test_a_blocked_output_stops_the_input_and_not_the_other_output(sink: str) ->
 
 def test_latency() -> None:
     assert CandidateSelection.latency == 2
+
+
+@pytest.mark.parametrize("most", [0, 1, 5, 17, 1000])
+@pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(0.2, 0.9, 3)], ids=["flowing", "stalled"])
+def test_limit(most: int, stalls: Stalls) -> None:
+    """The first ones of each frame; an end's x and y are the number of all there were."""
+    sizes = [(12, 20), (9, 9), (1, 30), (30, 25)]
+    centre = centres(sizes, (0.3, 0.4, 0.7))
+    # not two in two clocks, which cannot be
+    centre["corner"][1::2] = False
+    capture = engine("compiled", InStep, Parameters(budget=True)).run(
+        Stimulus({"i": pack(CENTRE, centre)}, [(0, {"max_corners": most})], stalls), quiet=500
+    )
+    notes = unpack(note_layout(PARAMETERS), capture.outputs["note"])
+    chosen, surfaces, expected = wanted(sizes, centre)
+    frame = np.repeat(np.arange(len(sizes)), [height * width for height, width in sizes])[chosen]
+    found = np.bincount(frame, minlength=len(sizes))
+    rank = np.concatenate([np.arange(count) for count in found])
+    kept = rank < most if most else rank >= 0
+    same("candidate", capture.outputs["candidate"], surfaces[kept])
+    is_end = notes["end"] == 1
+    said = notes["x"] | notes["y"] << (notes["x"].dtype.type(13))
+    assert said[is_end].tolist() == found.tolist()
+    corners = unpack(note_layout(PARAMETERS), expected)
+    reported = {field: values[corners["end"] == 0][kept] for field, values in corners.items()}
+    assert all(np.array_equal(notes[field][~is_end], reported[field]) for field in reported)
+    assert (
+        np.flatnonzero(is_end).tolist()
+        == (np.cumsum(np.bincount(frame[kept], minlength=4)) + range(4)).tolist()
+    )

@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 from golden import thresholds as golden
 from golden.parameters import Parameters, Settings
 from hdl.thresholds import Thresholds, settings_layout, thresholds_layout
-from sim.engine import EngineName
-from sim.stimulus import Capture, Stalls
+from sim.engine import EngineName, SimulationHang
+from sim.stimulus import Capture, Stalls, Stimulus
 from tests.hdl.blocks import (
     ENGINES,
     NO_STALLS,
@@ -39,6 +39,7 @@ from tests.hdl.blocks import (
 PARAMETERS = Parameters()
 PIXELS = Parameters(patches="pixels", pixel_bits=10)
 MEAN = Parameters(texture="mean", gradient="signed")
+BUDGET = Parameters(budget=True)
 FULL = PARAMETERS.response_max
 
 Frame = tuple[Array, Settings]
@@ -52,16 +53,28 @@ def pack_settings(parameters: Parameters, settings: list[Settings]) -> Words:
         "constant": [each.constant for each in settings],
         "floor": [each.floor for each in settings],
         "report_rejected": [each.report_rejected for each in settings],
+        **budget_fields(parameters, settings),
     }
     return pack(settings_layout(parameters), {name: np.array(values) for name, values in fields.items()})
 
 
-def limits(frames: list[Frame], parameters: Parameters) -> list[golden.Thresholds]:
+def budget_fields(parameters: Parameters, settings: list[Settings]) -> dict[str, list[int]]:
+    if not parameters.budget:
+        return {}
+    return {
+        "max_corners": [each.max_corners for each in settings],
+        "target_corners": [each.target_corners for each in settings],
+    }
+
+
+def limits(
+    frames: list[Frame], parameters: Parameters, adapted: int | None = None
+) -> list[golden.Thresholds]:
     previous: int | None = None
     result = []
     for responses, settings in frames:
         reference = golden.choose_reference(settings, previous)
-        result.append(golden.thresholds(settings, reference, parameters))
+        result.append(golden.thresholds(settings, reference, parameters, adapted))
         previous = int(responses.max())
     return result
 
@@ -71,14 +84,17 @@ def check(
     parameters: Parameters = PARAMETERS,
     name: EngineName = "compiled",
     stalls: Stalls = NO_STALLS,
+    adapted: int | None = None,
 ) -> Capture:
     block = Thresholds(parameters)
     beats = pack(block.i.payload.shape(), raster([responses for responses, _ in frames]))
-    expected = limits(frames, parameters)
+    expected = limits(frames, parameters, adapted)
+    known = 0 if adapted is None else adapted | 1 << parameters.response_bits
     fields = {
         "t1": np.array([limit.t1 for limit in expected]),
         "t2": np.array([limit.t2 for limit in expected]),
         "report_rejected": np.array([settings.report_rejected for _, settings in frames]),
+        **budget_fields(parameters, [settings for _, settings in frames]),
     }
     return run(
         engine(name, Thresholds, parameters),
@@ -89,6 +105,7 @@ def check(
             "maximum": np.array([responses.max() for responses, _ in frames], np.uint64),
         },
         stalls,
+        levels=[(0, {"adapted": known})] if parameters.budget else None,
     )
 
 
@@ -131,6 +148,32 @@ def test_extremes(parameters: Parameters) -> None:
     frames = [(full, largest), (full, largest), (empty, largest), (full, largest), (empty, largest)]
     frames += [(full, replace(largest, reference="constant", constant=1, sigma1=0, sigma2=0))]
     check(frames, parameters)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize("adapted", [None, 0, 3, 700, FULL])
+def test_adapted(adapted: int | None, name: EngineName) -> None:
+    """T1 is that where there is a target, but no less than sigma1 · floor; T2 is as ever."""
+    settings = Settings(sigma1=0.01, floor=500)
+    kinds = [
+        replace(settings, target_corners=target, max_corners=most, sigma1=sigma1)
+        for target, most, sigma1 in ((0, 7, 0.01), (1, 0, 0.01), (65535, 65535, 0.5), (300, 1, 0.0))
+    ]
+    frames = [(responses, kind) for responses, kind in zip(noise([(3, 12)] * 4, FULL), kinds, strict=True)]
+    capture = check(frames, BUDGET, name, adapted=adapted)
+    first = completing([(3, 12)] * 4, 1)[::36]
+    taken = capture.output_clocks["thresholds"] - capture.input_clocks["i"][first]
+    assert (taken == Thresholds(BUDGET).clocks).all()
+
+
+def test_a_frame_waits_until_it_is_adapted() -> None:
+    frames = [(responses, Settings()) for responses in noise([(2, 5)], FULL)]
+    inputs = {
+        "i": pack(Thresholds(BUDGET).i.payload.shape(), raster([responses for responses, _ in frames])),
+        "settings": pack_settings(BUDGET, [settings for _, settings in frames]),
+    }
+    with pytest.raises(SimulationHang, match="i 0 of 10 in"):
+        engine("compiled", Thresholds, BUDGET).run(Stimulus(inputs, [(0, {"adapting": 1})]), max_clocks=200)
 
 
 @pytest.mark.parametrize("name", ENGINES)

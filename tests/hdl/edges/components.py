@@ -55,9 +55,10 @@ class PlainVideoDetector(wiring.Component):
         return m
 
 
-def levels(video: VideoSettings) -> dict[str, int]:
+def levels(video: VideoSettings, parameters: Parameters) -> dict[str, int]:
     """Values of the plain inputs."""
     settings = video.settings
+    budget = {"max_corners": settings.max_corners, "target_corners": settings.target_corners}
     return {
         "enable": int(video.enabled),
         "ignore_eol": int(video.ignore_eol),
@@ -70,6 +71,7 @@ def levels(video: VideoSettings) -> dict[str, int]:
         "constant": settings.constant,
         "floor": settings.floor,
         "report_rejected": int(settings.report_rejected),
+        **(budget if parameters.budget else {}),
     }
 
 

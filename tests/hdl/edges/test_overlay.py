@@ -24,13 +24,18 @@ MAX_WIDTH, MAX_HEIGHT = 150, 40
 BUILDS = {
     "banked": profile("paper", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
     "lean": profile("robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
+    "budget": profile(
+        "robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True, budget=True, suppression=2
+    ),
 }
 builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys())
 
 
 def video_settings(parameters: Parameters, width: int, height: int) -> VideoSettings:
     # a constant reference: what is marked depends on the frame alone
-    settings = Settings.default(parameters, sigma1=0.02, sigma2=4.0, reference="constant")
+    settings = Settings.default(
+        parameters, sigma1=0.02, sigma2=4.0, reference="constant", max_corners=4 * parameters.budget
+    )
     return VideoSettings(width, height, settings)
 
 
@@ -38,6 +43,8 @@ def beats_of(image: Image, parameters: Parameters, settings: Settings) -> list[t
     """(pixel, corner, sof, eol) as they must come out."""
     limits = thresholds(settings, settings.constant, parameters)
     corners = accepted(image, limits, parameters).ravel()
+    if settings.max_corners:
+        corners &= corners.cumsum() <= settings.max_corners
     return [
         (pixel, int(corner), int(sof), int(eol))
         for (pixel, sof, eol), corner in zip(marked(image), corners, strict=True)
@@ -57,10 +64,10 @@ def test_pixels_and_corners(parameters: Parameters, stalls: Stalls) -> None:
     changes, start, expected = [], 0, []
     for image in images:
         video = video_settings(parameters, image.shape[1], image.shape[0])
-        changes.append((start, levels(video)))
+        changes.append((start, levels(video, parameters)))
         expected += beats_of(image, parameters, video.settings)
         start += image.size
-    assert sum(corner for _, corner, _, _ in expected) > 20
+    assert sum(corner for _, corner, _, _ in expected) > (5 if parameters.budget else 20)
     words = payloads([beat for image in images for beat in marked(image)], parameters)
     capture = runner.run(Stimulus({"video": words}, changes, stalls), quiet=20 * MAX_WIDTH)
     assert shown(capture.outputs["overlay"]) == expected
@@ -74,7 +81,7 @@ def test_full_rate_at_the_built_maximum(parameters: Parameters) -> None:
     images = [photograph(name)[:MAX_HEIGHT, :MAX_WIDTH] for name in ("camera", "brick", "grass")]
     video = video_settings(parameters, MAX_WIDTH, MAX_HEIGHT)
     words = payloads([beat for image in images for beat in marked(image)], parameters)
-    capture = runner.run(Stimulus({"video": words}, [(0, levels(video))]), quiet=20 * MAX_WIDTH)
+    capture = runner.run(Stimulus({"video": words}, [(0, levels(video, parameters))]), quiet=20 * MAX_WIDTH)
     clocks = capture.input_clocks["video"]
     assert clocks[-1] - clocks[0] + 1 == len(clocks)
     assert len(capture.outputs["overlay"]) == len(words)
@@ -89,7 +96,7 @@ def test_malformed_video_comes_out_cut_and_then_exact(parameters: Parameters, st
     frames = random_video(random, 100, width, height)
     video = video_settings(parameters, width, height)
     beats = [beat for _, frame in frames.frames for beat in frame]
-    stimulus = Stimulus({"video": payloads(beats, parameters)}, [(0, levels(video))], stalls)
+    stimulus = Stimulus({"video": payloads(beats, parameters)}, [(0, levels(video, parameters))], stalls)
     capture = runner.run(stimulus, quiet=2000)
     got = shown(capture.outputs["overlay"])
     starts = [k for k, (_, _, sof, _) in enumerate(got) if sof] + [len(got)]

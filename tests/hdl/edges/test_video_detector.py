@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,6 +25,11 @@ BUILDS = {
     f"{name}-{buffering}": profile(name, buffering=buffering, max_width=MAX_WIDTH, max_height=MAX_HEIGHT)
     for name in ("paper", "robust")
     for buffering in ("banked", "lean")
+} | {
+    "robust-budget": profile(
+        "robust", budget=True, suppression=2, max_width=MAX_WIDTH, max_height=MAX_HEIGHT
+    ),
+    "paper-budget": profile("paper", budget=True, max_width=MAX_WIDTH, max_height=MAX_HEIGHT),
 }
 STALLS = {
     "flowing": Stalls(),
@@ -37,7 +43,8 @@ builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys(
 
 def video_settings(parameters: Parameters, image: Image) -> VideoSettings:
     height, width = image.shape
-    return VideoSettings(width, height, Settings.default(parameters, sigma1=0.02, sigma2=2.0))
+    budget = {"target_corners": 4, "max_corners": 6} if parameters.budget else {}
+    return VideoSettings(width, height, Settings.default(parameters, sigma1=0.02, sigma2=2.0, **budget))
 
 
 def run(
@@ -47,7 +54,7 @@ def run(
     model = VideoModel(parameters)
     expected = [packet for beats, video in parts for packet in model.feed(beats, video)]
     starts = np.cumsum([0, *(len(beats) for beats, _ in parts)])
-    changes = [(int(k), levels(video)) for k, (_, video) in zip(starts, parts, strict=False)]
+    changes = [(int(k), levels(video, parameters)) for k, (_, video) in zip(starts, parts, strict=False)]
     words = payloads([beat for beats, _ in parts for beat in beats], parameters)
     capture = runner.run(Stimulus({"video": words}, changes, stalls), quiet=2000)
     got = packets(capture)
@@ -110,6 +117,9 @@ def test_sizes_and_settings_change_from_frame_to_frame(parameters: Parameters, s
         width, height = int(random.integers(15, MAX_WIDTH + 1)), int(random.integers(15, MAX_HEIGHT + 1))
         image = random.integers(0, 256, (height, width), dtype=np.uint8)
         beats, video = marked(image), video_settings(parameters, image)
+        if parameters.budget:
+            budget = {"target_corners": int(random.choice([0, 2, 9])), "max_corners": number % 7}
+            video = replace(video, settings=replace(video.settings, **budget))
         if number % 4 == 1:
             # cut, after which the next size holds at once
             beats = beats[: int(random.integers(60, len(beats)))]
@@ -124,7 +134,7 @@ def test_sizes_and_settings_change_from_frame_to_frame(parameters: Parameters, s
 @pytest.mark.parametrize("pixels", [*range(1, 60, 2), 200, 400])
 def test_a_frame_cut_right_after_a_whole_one(pixels: int) -> None:
     """The frame before is still inside, and comes out whole."""
-    for name in ("paper-banked", "robust-lean"):
+    for name in ("paper-banked", "robust-lean", "robust-budget", "paper-budget"):
         parameters = BUILDS[name]
         runner = engine("compiled", PlainVideoDetector, parameters)
         images = [photograph("grass")[k : k + 30, 10:45] for k in (0, 40, 80)]

@@ -1,0 +1,190 @@
+"""Adaptation of T1 to a target (``golden.adaptation``): a histogram of all corners, read after each frame."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value
+from amaranth.lib import data, wiring
+from amaranth.lib.memory import Memory
+from amaranth.lib.wiring import In, Out
+
+from golden.adaptation import STEPS, bins, octaves
+from golden.parameters import BUDGET_BITS, Parameters
+
+EVENT_CLOCKS = 4
+"""A corner's way: 1 its D, 2 its bin, 3 its count out of the memory, 4 behind a register, and one more goes back."""
+
+
+def adapted_layout(parameters: Parameters) -> data.StructLayout:
+    """T1 for the next frame, and whether there is one: only behind a complete frame with a target."""
+    return data.StructLayout({"t1": parameters.response_bits, "known": 1})
+
+
+class Adaptation(wiring.Component):
+    """Counts a frame's corners by their D, and works T1 out for the next one.
+
+    One block RAM holds the histogram. The corners of a row are two clocks apart at least; where the second falls
+    into the bin of the first, it finds the sum just on its way back. After a frame's last corner the bins are read
+    from the largest D downwards, one per clock, and cleared on the same way: both are done before the next frame has
+    responses. The bin that reaches the target stays where it was compared, and three more comparisons make the place
+    in it.
+
+    Reading begins by itself after reset, which clears the histogram; T1 then is what ``kept`` says.
+
+    Parameters
+    ----------
+    parameters
+        Of the detector, built with ``budget``.
+
+    Members
+    -------
+    corner, response
+        In this clock there is a corner to count, and its D. Not in two clocks in a row, and not while busy.
+    last, target
+        In this clock the frame ends; it is to be read for this target. A corner may come in the same clock.
+    kept
+        ``adapted_layout(parameters)``: what is known of frames before the last reset.
+    busy
+        Histogram and T1 are not ready for the next frame.
+    adapted
+        ``adapted_layout(parameters)``, valid unless busy.
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        super().__init__(
+            {
+                "corner": In(1),
+                "response": In(parameters.response_bits),
+                "last": In(1),
+                "target": In(BUDGET_BITS),
+                "kept": In(adapted_layout(parameters)),
+                "busy": Out(1, init=1),
+                "adapted": Out(adapted_layout(parameters)),
+            }
+        )
+
+    @property
+    def clocks(self) -> int:
+        """Clocks that ``busy`` lasts after a frame's last corner."""
+        return EVENT_CLOCKS - 1 + bins(self._parameters) + EVENT_CLOCKS + STEPS + 1
+
+    @property
+    def memory_bits(self) -> int:
+        return bins(self._parameters) * BUDGET_BITS
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        fresh, aimed, scanning = Signal(init=1), Signal(), Signal()
+        time = Signal(range(self.clocks))
+        done = time == self.clocks - 1
+        with m.If(self.last):
+            m.d.sync += [self.busy.eq(1), aimed.eq(self.target != 0)]
+        with m.If(self.busy):
+            m.d.sync += time.eq(Mux(done, 0, time + 1))
+        found, below = Signal(), Signal(self._parameters.response_bits)
+        with m.If(self.busy & done):
+            m.d.sync += [self.busy.eq(0), fresh.eq(0)]
+            read_off = Cat(Mux(found, below, 0), aimed)
+            m.d.sync += Value.cast(self.adapted).eq(Mux(fresh, Value.cast(self.kept), read_off))
+
+        place = Signal(range(bins(self._parameters)), init=bins(self._parameters) - 1)
+        # so that the first bin is read a clock after the last corner has gone back
+        with m.If(self.busy & (time == EVENT_CLOCKS - 2)):
+            m.d.sync += scanning.eq(1)
+        with m.If(scanning):
+            m.d.sync += place.eq(Mux(place == 0, bins(self._parameters) - 1, place - 1))
+            with m.If(place == 0):
+                m.d.sync += scanning.eq(0)
+        count, read = self._histogram(m, scanning, place)
+        self._descend(m, count, read, found, below)
+        return m
+
+    def _bin(self, response: Value) -> Value:
+        """The number of a response's bin: exponent and two bits of mantissa, but for the smallest."""
+        top = octaves(self._parameters) + 2
+        u = response[len(response) - top :]
+        number: Value = u[:2]
+        for exponent in range(1, octaves(self._parameters) + 1):
+            number = Mux(u[exponent + 1], Cat(u[exponent - 1 : exponent + 1], C(exponent, 4)), number)
+        return number
+
+    def _histogram(self, m: Module, scanning: Signal, place: Signal) -> tuple[Signal, Signal]:
+        """Counts corners, and reads and clears; returns a count that has been read, and whether there is one."""
+        number = Signal.like(place)
+        memory = Memory(
+            shape=BUDGET_BITS, depth=bins(self._parameters), init=[], attrs={"ram_style": "block"}
+        )
+        m.submodules.histogram = memory
+        reading, writing = memory.read_port(), memory.write_port()
+
+        response = Signal(self._parameters.response_bits, reset_less=True)
+        m.d.sync += [response.eq(self.response), number.eq(Mux(scanning, place, self._bin(response)))]
+        # suffixes: the clock of EVENT_CLOCKS
+        number_4 = _later(m, number, 2, "bin")
+        counted_4 = _later(m, self.corner, 4, "counted")
+        scanned_4 = _later(m, scanning, 3, "scanned")
+        count, total = Signal(BUDGET_BITS), Signal(BUDGET_BITS)
+        # as the corner two clocks ahead, whose sum is written in the clock in which this one's count is read
+        same_4 = _later(m, (number == number_4) & counted_4, 2, "same")
+        before = Mux(same_4, total, count)
+        m.d.comb += [
+            reading.addr.eq(number),
+            writing.addr.eq(number_4),
+            writing.en.eq(counted_4 | scanned_4),
+            writing.data.eq(Mux(scanned_4, 0, before + ~before.all())),
+        ]
+        m.d.sync += count.eq(reading.data)
+        with m.If(counted_4):
+            m.d.sync += total.eq(writing.data)
+        return count, scanned_4
+
+    def _descend(self, m: Module, count: Signal, read: Signal, found: Signal, below: Signal) -> None:
+        """Adds the bins up to the target. ``below`` is one less than the smallest D that is wanted so far."""
+        p = self._parameters
+        need, width = Signal(BUDGET_BITS + 1), Signal(p.response_bits)
+        operand, place = Signal(BUDGET_BITS), Signal(range(bins(p)))
+        summing, steps = Signal(), Signal(range(STEPS + 1))
+        rest = need - operand
+        enough = rest[-1]
+        m.d.sync += summing.eq(read)
+        with m.If(~found & ~(summing & enough)):
+            m.d.sync += operand.eq(count)
+        shrink, lower = Signal(), Signal()
+        with m.If(found):
+            with m.If(steps != STEPS):
+                m.d.sync += [steps.eq(steps + 1), need.eq(Mux(enough, need, rest[: len(need)]) << 1)]
+                m.d.comb += [shrink.eq(1), lower.eq(~enough)]
+        with m.Elif(summing):
+            m.d.sync += place.eq(place - 1)
+            with m.If(enough):
+                m.d.sync += [found.eq(1), need.eq(need << 1)]
+                m.d.comb += shrink.eq(1)
+            with m.Else():
+                m.d.sync += need.eq(rest)
+                # an octave's bins are all of one width, and the smallest octave's are as wide as those below
+                octave, mantissa = place[2:], place[:2]
+                m.d.comb += [lower.eq(1), shrink.eq((mantissa == 0) & (octave > 1))]
+        with m.If(lower):
+            m.d.sync += below.eq(below - width)
+        with m.If(shrink):
+            m.d.sync += width.eq(width >> 1)
+        with m.If(self.last):
+            m.d.sync += [
+                found.eq(0),
+                steps.eq(0),
+                need.eq(self.target),
+                below.eq((1 << p.response_bits) - 1),
+                width.eq(1 << (p.response_bits - 3)),
+                place.eq(bins(p) - 1),
+            ]
+
+
+def _later(m: Module, value: Value, clocks: int, name: str) -> Signal:
+    """``value`` some clocks later, from 1 on."""
+    for k in range(clocks):
+        register = Signal(value.shape(), name=f"{name}_{k + 1}")
+        m.d.sync += register.eq(value)
+        value = register
+    return register

@@ -1,0 +1,134 @@
+"""Corner detection (Eqs. 3-5) for any radius of suppression: non-maximum suppression and threshold."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import C, Cat, Module, Mux, Value, unsigned
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.parameters import WINDOW_SIZE, Parameters
+from hdl.corner_detection import corner_layout
+from hdl.response_filter import filtered_rows
+from hdl.stream import Beat, Columns, Pipeline, WindowCounter
+
+
+class Suppression(wiring.Component):
+    """E: is the middle of 9 columns' middle row the largest of the (2r+1)x(2r+1) around it, and above T1?
+
+    Does what :class:`hdl.corner_detection.CornerDetection` does behind :class:`hdl.centre_rows.CentreRows`, for
+    r = ``suppression`` from 1 to 4, and in the same number of clocks for all of them. With ``response_filter`` it
+    takes the 2r+1 rows and columns of :class:`hdl.response_filter.ResponseFilter`, and as many clocks as it needs.
+
+    Every column is reduced to two numbers: the largest of what its rows above and below the middle hold, and with the
+    middle row's value, too. The latter are kept for r columns, and a centre is compared with the r that came before
+    it, with the former of its own, and then with each of the r that follow, as they come: what waits is one bit.
+
+    Clocks: up to 3 a column's largest (r of them for r = 1, 2, 3), 1 with its middle, 1 comparisons and what follows.
+
+    Members
+    -------
+    i
+        Stream of ``Columns(unsigned(response_bits), 9)``, or ``filtered_rows(parameters)`` in place of 9.
+    t1
+        Stream of T1, one per frame, taken with the frame's last column.
+    o
+        Stream of ``Beat(corner_layout(parameters))``, rows so many positions less one shorter.
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        filtered = parameters.response_filter == "binomial"
+        self._size = filtered_rows(parameters) if filtered else WINDOW_SIZE
+        self.latency = (2 * parameters.suppression - 1).bit_length() + 2 if filtered else 5
+        response = unsigned(parameters.response_bits)
+        super().__init__(
+            {
+                "i": In(stream.Signature(Columns(response, self._size))),
+                "t1": In(stream.Signature(response)),
+                "o": Out(stream.Signature(Beat(corner_layout(parameters)))),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m, r = Module(), self._parameters.suppression
+        pipe = Pipeline(m, self.i, self.o, permit=self.t1.valid)
+        step = pipe.valid & pipe.advance
+        window = WindowCounter(m, self._size, step=step, eol=self.i.payload.eol)
+        m.d.comb += self.t1.ready.eq(step & self.i.payload.eof)
+        rows, beat = self.i.payload.data, Value.cast(pipe.valid)
+        centre = self._size // 2
+        middle: Value = rows[centre]
+        above = middle > self.t1.payload
+
+        ends = [self._ahead(rows[centre - k]) for k in range(1, r + 1)]
+        ends += [self._behind(rows[centre + k]) for k in range(1, r + 1)]
+        spent = 0
+
+        def wait(*values: Value) -> list[Value]:
+            nonlocal spent
+            spent += 1
+            return [pipe.register(value, f"waiting_{spent}_{k}") for k, value in enumerate(values)]
+
+        while len(ends) > 1:
+            pairs = [_larger(*pair) for pair in zip(ends[::2], ends[1::2], strict=False)]
+            ends = pairs + ends[len(ends) & ~1 :]
+            *ends, middle, above = wait(*ends, middle, above)
+            beat = pipe.register(beat, f"beat_{spent}", reset=True)
+        # to those that come after, this column is one before; and the other way round
+        before, after = _larger(ends[0], self._ahead(middle)), _larger(ends[0], self._behind(middle))
+        if self._parameters.ties == "strict":
+            after = before
+        peak = self._ahead(middle) > ends[0]
+        before, peak, middle, above = wait(before, peak, middle, above)
+        after = before if self._parameters.ties == "strict" else pipe.register(after, "after")
+        beat = pipe.register(beat, f"beat_{spent}", reset=True)
+
+        def kept(value: Value, name: str) -> Value:
+            return pipe.register(value, name, when=beat)
+
+        earlier, history = before, []
+        for k in range(1, r + 1):
+            earlier = kept(earlier, f"before_{k}")
+            history.append(self._ahead(middle) > earlier)
+        peak = kept(peak & Cat(history).all(), "peak_0")
+        middle, above = kept(middle, "middle_0"), kept(above, "above_0")
+        # as many columns later as r, each of which has been compared with
+        for k in range(1, r):
+            peak = kept(peak & (self._ahead(middle) > after), f"peak_{k}")
+            middle, above = kept(middle, f"middle_{k}"), kept(above, f"above_{k}")
+        peak = peak & (self._ahead(middle) > after)
+        for k in range(r, centre):
+            peak = kept(peak, f"peak_{k}")
+            middle, above = kept(middle, f"middle_{k}"), kept(above, f"above_{k}")
+        self._deliver(m, pipe, spent, window.complete, peak, above, middle)
+        return m
+
+    def _deliver(
+        self, m: Module, pipe: Pipeline, spent: int, complete: Value, peak: Value, above: Value, middle: Value
+    ) -> None:
+        """What has been found ``spent`` clocks after its window's last column, as many clocks later as are left."""
+        left = self.latency - spent
+        found = self.o.payload.data
+        m.d.comb += [
+            self.o.valid.eq(pipe.delay(pipe.valid & complete, self.latency, "complete", reset=True)),
+            found.corner.eq(pipe.delay(peak & above, left, "corner")),
+            found.response.eq(pipe.delay(middle, left, "response")),
+            self.o.payload.eol.eq(pipe.delay(self.i.payload.eol, self.latency, "eol")),
+            self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
+        ]
+        if self._parameters.budget:
+            m.d.comb += found.peak.eq(pipe.delay(peak, left, "peak"))
+
+    # Half a unit more for the centre and for neighbours before it: see CornerDetection.
+
+    def _ahead(self, value: Value) -> Value:
+        return value if self._parameters.ties == "strict" else Cat(C(1, 1), value)
+
+    def _behind(self, value: Value) -> Value:
+        return value if self._parameters.ties == "strict" else Cat(C(0, 1), value)
+
+
+def _larger(a: Value, b: Value) -> Value:
+    return Mux(a > b, a, b)

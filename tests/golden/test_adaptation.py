@@ -1,0 +1,209 @@
+"""T1 adapted to a target: by hand, for any corners, and on what a camera may see."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from golden import Parameters, Settings, StreamModel, detect, profile, reference_detect
+from golden.adaptation import (
+    COUNT_MAX,
+    adapted_threshold,
+    bin_edges,
+    bins,
+    histogram,
+    octaves,
+)
+from golden.video import Event, VideoModel, VideoSettings, marked
+from tests.photographs import photograph
+
+PAPER = Parameters(budget=True)
+ROBUST = profile("robust", budget=True)
+Image = NDArray[np.unsignedinteger[Any]]
+
+
+def window(name: str, step: int, side: int = 200) -> Image:
+    """A camera that pans over a photograph, some pixels per frame."""
+    image = photograph(name)
+    return image[3 * step : 3 * step + side, 5 * step : 5 * step + side]
+
+
+def test_edges_by_hand() -> None:
+    """16 bits: below 32 by eights, then four to the octave up to full scale."""
+    edges = bin_edges(PAPER)
+    assert edges[:13] == [0, 8, 16, 24, 32, 40, 48, 56, 64, 80, 96, 112, 128]
+    assert edges[-5:] == [32768, 40960, 49152, 57344, 65536]
+
+
+@pytest.mark.parametrize("gradient", ["absolute", "signed"])
+@pytest.mark.parametrize("pixel_bits", range(4, 11))
+def test_edges_of_every_detector(gradient: Any, pixel_bits: int) -> None:
+    p = Parameters(pixel_bits=pixel_bits, gradient=gradient)
+    edges = bin_edges(p)
+    widths = np.diff(edges)
+    assert len(widths) == bins(p) == 4 * octaves(p) + 4 <= 48
+    assert edges[0] == 0 and edges[-1] == 1 << p.response_bits > p.response_max
+    assert (widths % 8 == 0).all() and (widths[:-1] <= widths[1:]).all()
+    assert (widths[8:] / edges[8:-1] <= 1 / 4).all()
+
+
+def test_histogram_by_hand() -> None:
+    counts = histogram(np.array([1, 7, 8, 31, 32, 79, 80, 65025]), PAPER)
+    assert {k: int(counts[k]) for k in np.flatnonzero(counts)} == {0: 2, 1: 1, 3: 1, 4: 1, 8: 1, 9: 1, 47: 1}
+    assert histogram(np.zeros(0, np.int64), PAPER).sum() == 0
+    assert histogram(np.full(COUNT_MAX + 2, 9), PAPER)[1] == COUNT_MAX
+
+
+def test_threshold_by_hand() -> None:
+    """Ten corners from 32768 up to 40959, and ten far below."""
+    counts = histogram(np.array([40000] * 10 + [100] * 10), PAPER)
+
+    def t1(target: int) -> int:
+        return adapted_threshold(counts, target, PAPER)
+
+    # 32nds of 8192 from the top downwards, as many as tenths allow
+    steps = [(40959 - t1(target)) / 256 for target in (1, 2, 5, 9)]
+    assert steps == [3, 6, 16, 28]
+    # none too many: just above the next; of that one half, which is 8 of its 16
+    assert (t1(10), t1(15), t1(20), t1(1000)) == (111, 103, 0, 0)
+
+
+@given(st.data())
+def test_a_target_is_missed_by_less_than_one_bin(data: st.DataObject) -> None:
+    p = data.draw(st.sampled_from([PAPER, ROBUST, Parameters(pixel_bits=4)]))
+    values = st.one_of(st.integers(1, p.response_max), st.sampled_from([1, 9, 100, 101, p.response_max]))
+    responses = np.array(data.draw(st.lists(values, max_size=60)), np.int64)
+    counts = histogram(responses, p)
+    before = 1 << p.response_bits
+    for target in range(1, 70):
+        t1 = adapted_threshold(counts, target, p)
+        left = int((responses > t1).sum())
+        assert 0 <= t1 <= before
+        before = t1
+        if len(responses) <= target:
+            assert t1 == 0
+            continue
+        place = int(np.searchsorted(bin_edges(p), t1 + 1, side="left")) - 1
+        assert abs(left - target) <= counts[place]
+
+
+@pytest.mark.parametrize("target", [20, 100, 400])
+@pytest.mark.parametrize("name", ["camera", "brick", "grass", "coins"])
+@pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
+def test_a_still_scene(parameters: Parameters, name: str, target: int) -> None:
+    """The third frame is the first with both thresholds from a frame like it; nothing changes any more."""
+    image, settings = photograph(name), Settings.default(parameters, target_corners=target)
+    model = StreamModel(parameters)
+    results = [model.process(image, settings) for _ in range(6)]
+    assert all(np.array_equal(r.corners.x, results[2].corners.x) for r in results[2:])
+    same = detect(image, parameters, settings)
+    assert np.array_equal(results[2].corners.x, same.x) and np.array_equal(results[2].corners.y, same.y)
+    responses = detect(image, parameters, Settings.default(parameters, sigma1=0)).response.astype(np.int64)
+    counts = histogram(responses, parameters)
+    place = int(np.searchsorted(bin_edges(parameters), results[2].t1 + 1, side="left")) - 1
+    least = round(0.05 * 65536) * settings.floor >> 16
+    assert abs(len(same) - target) <= counts[place] or (results[2].t1 == least and len(same) < target)
+
+
+@pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
+def test_a_cut_is_over_after_one_frame(parameters: Parameters) -> None:
+    """A camera that pans, and cuts: only the first frame after a cut has a T1 of another scene.
+
+    T2 is constant here: where it follows the largest D, that jumps when a strong corner comes into sight.
+    """
+    settings = Settings.default(parameters, target_corners=100, reference="constant")
+    model = StreamModel(parameters)
+    for name in ("camera", "grass", "coins", "brick", "gravel", "camera"):
+        counts = [model.process(window(name, k), settings).found for k in range(10)]
+        assert all(80 <= count <= 125 for count in counts[1:]), (name, counts)
+
+
+def test_black_frames_leave_the_least_threshold() -> None:
+    """As without a target, the next frame has more corners for once; what `max_corners` is for."""
+    settings = Settings.default(ROBUST, target_corners=100, max_corners=150, sigma2=15)
+    model = StreamModel(ROBUST)
+    black = np.zeros((200, 200), np.uint8)
+    least = round(0.05 * 65536) * 1024 >> 16
+    for _ in range(3):
+        model.process(window("grass", 0), settings)
+    assert model.process(window("grass", 0), settings).t1 > 10 * least
+    assert model.process(black, settings).found == 0
+    assert model.process(black, settings).t1 == least
+    burst = model.process(window("grass", 0), settings)
+    assert burst.t1 == least and burst.found > 500 and len(burst.corners) == 150
+    assert len(burst.records) == 151
+
+
+def test_first_frame_and_frames_without_a_target() -> None:
+    """T1 = sigma1 · constant at first; a frame without a target leaves nothing for the next."""
+    image = window("camera", 0)
+    aimed, plain = Settings.default(ROBUST, target_corners=50), Settings.default(ROBUST)
+    reference = StreamModel(ROBUST)
+    by_maximum = [reference.process(image, plain).t1 for _ in range(2)]
+    model = StreamModel(ROBUST)
+    t1 = [model.process(image, settings).t1 for settings in (aimed, aimed, plain, aimed, aimed)]
+    assert t1[0] == by_maximum[0]
+    assert t1[2] == t1[3] == by_maximum[1]
+    assert t1[1] == t1[4] not in by_maximum
+    model.reset()
+    assert model.process(image, aimed).t1 == by_maximum[0]
+
+
+@given(st.integers(0, 60), st.booleans())
+def test_max_corners_keeps_the_first(most: int, rejected: bool) -> None:
+    image = window("camera", 0, 100)
+    settings = Settings.default(ROBUST, sigma1=0.01, report_rejected=rejected)
+    every = detect(image, ROBUST, settings)
+    limited = detect(
+        image, ROBUST, Settings.default(ROBUST, sigma1=0.01, report_rejected=rejected, max_corners=most)
+    )
+    count = min(most, len(every)) if most else len(every)
+    assert len(limited) == count
+    assert np.array_equal(limited.x, every.x[:count]) and np.array_equal(limited.flags, every.flags[:count])
+
+
+def test_a_cut_frame_changes_nothing() -> None:
+    """And what either limit left out is found, and reported as dropped."""
+    p = profile("robust", budget=True, max_width=40, max_height=40)
+    settings = Settings.default(p, target_corners=12, max_corners=4, sigma2=4.0)
+    video = VideoSettings(40, 40, settings)
+    images = [window("grass", k, 40) for k in (9, 10, 30)]
+    whole, cut = VideoModel(p), VideoModel(p)
+    plain = [packet for k in (0, 1) for packet in whole.feed(marked(images[k]), video)]
+    beats = marked(images[0]) + marked(images[2])[:1200] + marked(images[1])
+    packets = cut.feed(beats, video)
+    assert [packet.cut for packet in packets] == [False, True, False]
+    assert packets[2].found == plain[1].found > 4
+    assert np.array_equal(packets[2].records[:-1], plain[1].records[:-1])
+    assert len(packets[2].records) == 5 and len(packets[1].records) <= 4
+    assert cut.events & Event.RECORDS_DROPPED
+    assert cut.dropped_records == packets[0].found + packets[2].found - 8
+
+
+def test_the_budget_must_be_built() -> None:
+    for field in ("max_corners", "target_corners"):
+        with pytest.raises(
+            ValueError, match=f"{field} is 7; allowed: 0, since the detector is built without"
+        ):
+            Settings(**{field: 7}).check(Parameters())
+        with pytest.raises(ValueError, match=f"{field} is 65536; allowed: whole numbers from 0 to 65535"):
+            Settings(**{field: 65536})
+
+
+@pytest.mark.parametrize("name", ["camera", "brick", "coins"])
+def test_float_reference(name: str) -> None:
+    """Which takes the target's largest, without a histogram, and suppresses within the same radius."""
+    parameters = profile("robust", budget=True, suppression=3)
+    settings = Settings.default(parameters, target_corners=80)
+    image = photograph(name)
+    exact = reference_detect(image, parameters, settings)
+    ours = detect(image, parameters, settings)
+    assert len(exact) == 80 and abs(len(ours) - 80) <= 4
+    pixels = [set(zip(c.x.round().tolist(), c.y.round().tolist(), strict=True)) for c in (exact, ours)]
+    assert len(pixels[0] & pixels[1]) >= 70
+    assert len(reference_detect(image, parameters, Settings.default(parameters, max_corners=7))) == 7
