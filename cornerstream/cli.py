@@ -35,6 +35,7 @@ def main() -> None:
       cornerstream package -o ip             the core with drivers, descriptions and an example
       cornerstream export -o project         the core, as a Quartus project
       cornerstream synth                     its area and clock frequency
+      cornerstream eval                      how good its corners are
 
     Exit codes: 0 all well, 1 hardware and golden model differ or the run failed, 2 bad input.
     """

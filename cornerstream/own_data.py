@@ -107,7 +107,7 @@ def load_video(path: Path) -> list[Pair]:
             raise BadInput(f"{path} is no video; allowed: {FRAMES_APART + 1} or more frames of one size")
         return frame_pairs(frames, path.name, path.name, pairs=PAIRS_PER_VIDEO, apart=FRAMES_APART)
     # OpenCV writes its own complaints on stderr
-    opencv().setLogLevel(0)
+    opencv().utils.logging.setLogLevel(0)
     try:
         return video_pairs(path, path.stem)
     except SourceError as error:

@@ -99,7 +99,7 @@ def kind_figures(outcome: Outcome, parameters: Parameters) -> Record:
     noises = np.array([scene.noise for scene in outcome.scenes])
     by_noise = {
         f"{noise:g}": {
-            name: plain(median(np.hypot(*outcome.offsets(name)[noises == noise].T)))
+            name: plain(float(np.median(np.hypot(*outcome.offsets(name)[noises == noise].T))))
             for name in methods(parameters)
         }
         for noise in sorted(set(noises.tolist()))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,6 +113,7 @@ def _between(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(fine[SAMPLES:-SAMPLES, SAMPLES:-SAMPLES])
 
 
+@cache
 def rendered_board(number: int) -> Board:
     """One of the rendered boards, always the same for its number."""
     random = np.random.default_rng([SEED, number])

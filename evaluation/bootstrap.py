@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Values = NDArray[np.float64]
-Statistic = Callable[[Values], float]
+Statistic = Callable[[Values], Values]
+"""Of values (..., n, columns), one for each of the leading axes: (...). NaN where there is none."""
 
 RESAMPLES = 1000
 LEVEL = 0.95
@@ -19,46 +20,58 @@ DIGITS = 4
 
 
 def interval(
-    groups: Sequence[Values], statistic: Statistic, *, resamples: int = RESAMPLES, seed: int = SEED
+    groups: Sequence[Values], statistic: Statistic, *, resamples: int | None = None, seed: int = SEED
 ) -> tuple[float, float]:
     """The central 95 % of a statistic over sets of images that are drawn with replacement.
 
     Parameters
     ----------
     groups
-        For each image its values, (n, ...), n from 0 on: corners of one image are not independent, so an image
-        comes whole or not at all.
+        For each image its values, (n,) or (n, columns), n from 0 on: corners of one image are not independent, so
+        an image comes whole or not at all.
     statistic
-        Of the values of all images, concatenated; those of no value at all count as NaN and are left out.
+        Of the values of all images.
+    resamples
+        By default :data:`RESAMPLES`.
 
     Returns
     -------
     Low and high end; NaN where there are no values.
     """
-    groups = [np.asarray(group, dtype=np.float64) for group in groups]
+    groups = _columns(groups)
     if not groups or not sum(map(len, groups)):
         return float("nan"), float("nan")
     random = np.random.default_rng(seed)
-    flat = np.concatenate(groups)
-    ends = np.cumsum([len(group) for group in groups])
-    members = [np.arange(end - len(group), end) for group, end in zip(groups, ends, strict=True)]
-    results = []
-    for chosen in random.integers(len(groups), size=(resamples, len(groups))):
-        drawn = np.concatenate([members[image] for image in chosen])
-        if len(drawn):
-            results.append(statistic(flat[drawn]))
+    draws = random.integers(len(groups), size=(resamples or RESAMPLES, len(groups)))
+    if len({len(group) for group in groups}) == 1:
+        # all of one size, which is usual: all draws at once
+        stacked = np.stack(groups)
+        results = statistic(stacked[draws].reshape(len(draws), -1, stacked.shape[-1]))
+    else:
+        drawn = (np.concatenate([groups[image] for image in chosen]) for chosen in draws)
+        results = np.array([statistic(values) for values in drawn if len(values)])
+    known = results[np.isfinite(results)]
+    if not len(known):
+        return float("nan"), float("nan")
     tail = 50 * (1 - LEVEL)
-    low, high = np.nanpercentile(results, [tail, 100 - tail])
+    low, high = np.percentile(known, [tail, 100 - tail])
     return float(low), float(high)
+
+
+def _columns(groups: Sequence[Values]) -> list[Values]:
+    arrays = [np.asarray(group, dtype=np.float64) for group in groups]
+    return [array[:, None] if array.ndim == 1 else array for array in arrays]
 
 
 def estimate(groups: Sequence[Values], statistic: Statistic, **options: Any) -> dict[str, Any]:
     """``value`` of a statistic and its ``interval`` [low, high], as JSON takes them: None where there is none."""
-    groups = [np.asarray(group, dtype=np.float64) for group in groups]
+    groups = _columns(groups)
     if not groups or not sum(map(len, groups)):
         return {"value": None, "interval": None}
-    value = statistic(np.concatenate(groups))
-    return {"value": plain(value), "interval": [plain(end) for end in interval(groups, statistic, **options)]}
+    value = plain(float(statistic(np.concatenate(groups))))
+    if value is None:
+        return {"value": None, "interval": None}
+    return {"value": value, "interval": [plain(end) for end in interval(groups, statistic, **options)]}
 
 
 def plain(value: float) -> float | None:
@@ -66,25 +79,20 @@ def plain(value: float) -> float | None:
     return None if not np.isfinite(value) else round(float(value), DIGITS)
 
 
-def mean(values: Values) -> float:
-    return float(values.mean())
+def mean(values: Values) -> Values:
+    """Of the first column, as the two below."""
+    return np.asarray(values[..., 0].mean(axis=-1))
 
 
-def median(values: Values) -> float:
-    return float(np.median(values))
+def median(values: Values) -> Values:
+    return np.asarray(np.median(values[..., 0], axis=-1))
 
 
-def percentile_95(values: Values) -> float:
-    return float(np.percentile(values, 95))
+def percentile_95(values: Values) -> Values:
+    return np.asarray(np.percentile(values[..., 0], 95, axis=-1))
 
 
-def ratio(values: Values) -> float:
-    """Sum of the first column over the sum of the second: NaN where that is 0."""
-    whole = values[:, 1].sum()
-    return float(values[:, 0].sum() / whole) if whole else float("nan")
-
-
-def relative_gain(values: Values) -> float:
+def relative_gain(values: Values) -> Values:
     """How much the mean of the first column is above the mean of the second, relative to that."""
-    base = values[:, 1].mean()
-    return float(values[:, 0].mean() / base - 1) if base else float("nan")
+    ours, base = np.moveaxis(values.mean(axis=-2), -1, 0)
+    return np.where(base > 0, ours / np.where(base > 0, base, 1) - 1, np.nan)

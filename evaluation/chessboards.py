@@ -9,7 +9,7 @@ import numpy as np
 
 from evaluation.accuracy import WITHIN, figures_of_images
 from evaluation.boards import Board, reference_corners
-from evaluation.bootstrap import Values, estimate, mean, median, plain
+from evaluation.bootstrap import Values, estimate, mean, plain
 from evaluation.placements import Placements, methods, place
 from golden import Parameters, Settings
 
@@ -41,7 +41,7 @@ def _summary(references: list[Values], boards: list[Board], parameters: Paramete
         },
         "medians": {
             name: [
-                plain(median(np.hypot(*errors[name].T))) if len(errors[name]) else None
+                plain(float(np.median(np.hypot(*errors[name].T)))) if len(errors[name]) else None
                 for errors, _, _ in each
             ]
             for name in methods(parameters)

@@ -5,6 +5,7 @@ All of them are asked for corners whose 15x15 support lies inside the image, whi
 
 from __future__ import annotations
 
+import zlib
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
@@ -87,7 +88,7 @@ class Ours(Detector):
         return np.column_stack([corners.x, corners.y])[order]
 
     def _sigma2(self, thresholds: Thresholds) -> float:
-        if getattr(self.parameters, "texture", "patches") == "patches":
+        if self.parameters.texture == "patches":
             return thresholds.sigma2 if self.filtered else NO_FILTER
         # the adaptive threshold's weight is another thing than the paper's sigma2
         return USUAL.sigma2 if self.filtered else 0.0
@@ -146,7 +147,7 @@ class Chance(Detector):
     def ranked(self, image: Image, thresholds: Thresholds) -> Points:
         height, width = image.shape
         # a view of the same scene is to get other points
-        random = np.random.default_rng([height, width, int(image[::7, ::7].sum())])
+        random = np.random.default_rng(zlib.crc32(image.tobytes()))
         size = (MOST // 4, 2)
         return random.uniform((MARGIN, MARGIN), (width - 1 - MARGIN, height - 1 - MARGIN), size)
 

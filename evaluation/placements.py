@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evaluation.packages import opencv
-from golden import Corners, Parameters, Settings, detect
-from golden.detector import RESPONSE_MARGIN, response_map
-from golden.parameters import Fit
+from golden import Parameters, Settings, detect
+from golden.detector import corner_map, response_map
+from golden.parameters import MARGIN, Fit
+from golden.thresholds import choose_reference, thresholds
 
 Positions = NDArray[np.float64]
 
@@ -71,34 +72,19 @@ def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) 
     """
     settings = replace(settings, report_rejected=True)
     found = {name: detect(image, variant, settings) for name, variant in _variants(parameters).items()}
-    some = found["nine"]
-    pixels = whole_pixels(some, image, parameters)
+    pixels = whole_pixels(image, parameters, settings)
     positions = {INTEGER: pixels.astype(np.float64)}
     positions |= {name: np.column_stack([corners.x, corners.y]) for name, corners in found.items()}
     positions[OPENCV] = corner_sub_pix(image, pixels)
-    return Placements(positions, some.accepted)
+    return Placements(positions, found[parameters.fit].accepted)
 
 
-def whole_pixels(corners: Corners, image: NDArray[np.uint8], parameters: Parameters) -> NDArray[np.int64]:
-    """(n, 2) pixels at which the response has its maxima, of corners placed by a surface: at most half a pixel away.
-
-    A corner exactly half a pixel away could belong to either neighbour: to the one with the larger response, or, if
-    these are equal, to the first in raster order, as ``ties="first"`` has it.
-    """
+def whole_pixels(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> NDArray[np.int64]:
+    """(n, 2) pixels at which the response has its maxima, in the order of the records."""
     responses = response_map(image, parameters)
-    height, width = responses.shape
-    pixels = np.zeros((len(corners), 2), dtype=np.int64)
-    largest = np.full(len(corners), -1, dtype=np.int64)
-    for down in (np.floor, np.ceil):
-        for across in (np.floor, np.ceil):
-            x, y = across(corners.x).astype(np.int64), down(corners.y).astype(np.int64)
-            near = (np.abs(x - corners.x) <= 0.5) & (np.abs(y - corners.y) <= 0.5)
-            row = np.clip(y - RESPONSE_MARGIN, 0, height - 1)
-            column = np.clip(x - RESPONSE_MARGIN, 0, width - 1)
-            chosen = near & (responses[row, column] > largest)
-            pixels[chosen] = np.column_stack([x, y])[chosen]
-            largest[chosen] = responses[row, column][chosen]
-    return pixels
+    limits = thresholds(settings, choose_reference(settings, int(responses.max())), parameters)
+    rows, columns = np.nonzero(corner_map(responses, limits.t1, parameters))
+    return np.column_stack([columns, rows]) + MARGIN
 
 
 def corner_sub_pix(image: NDArray[np.uint8], pixels: NDArray[np.int64]) -> Positions:

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from evaluation import adaptation
 from evaluation.detectors import MODES, PIXELS_PER_CORNER, PLAIN, WITHOUT
 from evaluation.paper_accuracy import MEAN_RHO
 from evaluation.placements import INTEGER, OPENCV
 from evaluation.scenes import KINDS
+from evaluation.sources import STRUCTURE, TEXTURE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -69,6 +71,10 @@ def plots(study: Record) -> dict[str, bytes]:
         drawn["accuracy.png"] = encoded(_accuracy(study["accuracy"]))
     if "repeatability" in study:
         drawn["repeatability.png"] = encoded(_repeatability(study["repeatability"]))
+    if "texture" in study:
+        drawn["texture.png"] = encoded(_texture(study["texture"]["steps"]))
+    if "adaptation" in study:
+        drawn["adaptation.png"] = adaptation.plot(study["adaptation"])
     if "robustness" in study:
         drawn["robustness.png"] = encoded(_robustness(study["robustness"]))
     return drawn
@@ -171,6 +177,31 @@ def _robustness(found: Record) -> Figure:
     _own(axes)
     handles, labels = axes.get_legend_handles_labels()
     drawn.legend(handles, labels, fontsize="x-small", ncols=4, loc="outside lower center", frameon=False)
+    return drawn
+
+
+def _texture(steps: Record) -> Figure:
+    drawn = figure(9, 3)
+    names = [name for name in steps if name != PLAIN]
+    for axes, measure in zip(drawn.subplots(1, 2, sharey=True), ("repeatability", "rho"), strict=True):
+        parts = [part for part in ("all", TEXTURE, STRUCTURE) if part in steps[PLAIN][measure]]
+        for index, (part, shade) in enumerate(zip(parts, ("#000000", "#009e73", "#0072b2"), strict=False)):
+            for place, name in enumerate(names):
+                gain = steps[name][measure][part]["gain"]
+                if gain["value"] is None:
+                    continue
+                ends = [100 * end for end in (gain["value"], *gain["interval"])]
+                spread = [[max(ends[0] - ends[1], 0)], [max(ends[2] - ends[0], 0)]]
+                label = part if not place else None
+                height = place + (index - 1) * 0.2
+                axes.errorbar(ends[0], height, xerr=spread, fmt="o", markersize=4, color=shade, label=label)
+        axes.axvline(0, color="black", linewidth=0.8)
+        axes.set_yticks(range(len(names)), names)
+        axes.invert_yaxis()
+        axes.set_xlabel(f"gain over {PLAIN}, %")
+        axes.set_title(f"{measure}, equal numbers", fontsize="small")
+        _own(axes)
+    drawn.axes[0].legend(fontsize="x-small", frameon=False)
     return drawn
 
 

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from evaluation.bootstrap import Values, estimate, mean, plain, relative_gain
 from evaluation.detectors import (
@@ -68,6 +67,9 @@ def match(first: Points, second: Points, tolerance: float = TOLERANCE) -> tuple[
     """Mutual nearest neighbours within the tolerance: (n, 2) indices, and their distances."""
     if not len(first) or not len(second):
         return np.empty((0, 2), np.intp), np.empty(0)
+    # not at the top: the other commands do without it
+    from scipy.spatial import cKDTree
+
     distances, forwards = cKDTree(second).query(first)
     _, backwards = cKDTree(first).query(second)
     rows = np.arange(len(first))

@@ -7,9 +7,11 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import PackageNotFoundError, version
+from itertools import count
 from typing import Any, Literal, get_args
 
 from evaluation import accuracy, boards, bootstrap, scenes, views
+from evaluation.adaptation import LAWS, TARGETS, adaptation
 from evaluation.boards import Board, rendered_boards
 from evaluation.chessboards import chessboards
 from evaluation.detectors import MODES, PIXELS_PER_CORNER, detectors
@@ -17,11 +19,13 @@ from evaluation.packages import opencv
 from evaluation.repeatability import repeatability
 from evaluation.robustness import robustness, trackable
 from evaluation.sources import NamedImage, Pair, packaged_videos, photographs
+from evaluation.texture import chosen as chosen_pairs
+from evaluation.texture import texture
 from golden import PROFILES, Parameters, Settings
 from golden.version import VERSION
 
 Record = dict[str, Any]
-Section = Literal["accuracy", "table5", "chessboards", "repeatability", "robustness"]
+Section = Literal["accuracy", "table5", "chessboards", "repeatability", "robustness", "texture", "adaptation"]
 SECTIONS: tuple[Section, ...] = get_args(Section)
 Progress = Callable[[str, int], AbstractContextManager[Callable[[int], None]]]
 """Called with what is being measured and how many steps it takes; gives what is to be called with steps done."""
@@ -120,8 +124,12 @@ def study(
             result["table5"] = accuracy.table_5(profiles, quick=quick)
     if "chessboards" in sections:
         result["chessboards"] = _chessboards(profiles, quick, own, progress)
-    if {"repeatability", "robustness"} & set(sections):
+    if {"repeatability", "robustness", "texture"} & set(sections):
         result |= _repeated(profiles, sections, quick, own, progress)
+    if "adaptation" in sections and not quick:
+        with progress("adaptation to a target", len(TARGETS) * len(LAWS)) as advance:
+            steps = count(1)
+            result["adaptation"] = adaptation(notify=lambda done: advance(next(steps)))
     return result
 
 
@@ -153,9 +161,14 @@ def _repeated(
         with progress("given pairs", len(MODES)) as advance:
             given = repeatability(own.pairs, measured, quick=quick, notify=advance) if own.pairs else None
             result["pairs"] = given
-    if "robustness" in sections:
+    if {"robustness", "texture"} & set(sections):
         videos = own.videos or packaged_videos(quick=quick)
-        pairs = videos + trackable(rendered + own.pairs)
-        with progress("robustness", len(pairs)) as advance:
+        pairs = videos + rendered + own.pairs
+    if "robustness" in sections:
+        with progress("robustness", len(trackable(pairs))) as advance:
             result["robustness"] = robustness(pairs, measured, notify=advance)
+    if "texture" in sections:
+        some = chosen_pairs(pairs)
+        with progress("steps of robust", len(trackable(some))) as advance:
+            result["texture"] = texture(some, notify=advance)
     return result

@@ -12,7 +12,7 @@ from evaluation.detectors import MODES, PAPER_LOW, PLAIN, USUAL, WITHOUT
 from evaluation.markdown import figure, number, percent, spread, table
 from evaluation.placements import INTEGER, OPENCV
 from evaluation.scenes import BLURS, CONTRASTS, KINDS, NOISES, OPENINGS
-from evaluation.sources import FRAMES_APART, PAIRS_PER_VIDEO
+from evaluation.sources import FRAMES_APART, PAIRS_PER_VIDEO, STRUCTURE, TEXTURE
 from evaluation.views import VIEWS
 from flow.templates import render
 
@@ -22,6 +22,8 @@ FIGURES_NAME = "evaluation.json"
 PAGE_NAME = "evaluation.md"
 PICTURES = "evaluation"
 """Folder of the pictures, beside the page."""
+FEWEST = 10
+"""Corners per image below which nothing is said of them."""
 
 
 def page(study: Record) -> str:
@@ -30,6 +32,7 @@ def page(study: Record) -> str:
         "about": study["about"],
         "packages": ", ".join(f"{name} {of}" for name, of in study["about"]["packages"].items() if of),
         "usual": USUAL,
+        "fewest": FEWEST,
         "within": f"{WITHIN:g}",
         "openings": _list(OPENINGS),
         "contrasts": " to ".join(map(str, CONTRASTS)),
@@ -47,6 +50,8 @@ def page(study: Record) -> str:
         ("repeatability", _repeatability),
         ("pairs", _repeatability),
         ("robustness", _robustness),
+        ("texture", _texture),
+        ("adaptation", _adaptation),
     ):
         known[name] = write(study[name]) if study.get(name) else None
     known["boards"] = [_boards(name, found) for name, found in study.get("chessboards", {}).items() if found]
@@ -216,12 +221,42 @@ def _mode_rows(each: Record, groups: list[str], measure: str, other: str | None)
     for name, parts in each.items():
         everything = parts["all"]
         cells = [name, number(everything["corners"])]
+        if (everything["corners"] or 0) < FEWEST:
+            yield cells + ["–"] * (4 + 2 * len(groups) - (other is None))
+            continue
         cells += [figure(parts[part][measure]) for part in ("all", *groups)]
         if other:
             cells.append(figure(everything[other]))
         cells.append(percent(everything["gain"].get(name + WITHOUT)))
         cells += [percent(parts[part]["gain"].get(PLAIN)) for part in ("all", *groups)]
         yield cells
+
+
+def _texture(found: Record) -> str:
+    rows = []
+    for name, measures in found["steps"].items():
+        cells = [name, number(measures["repeatability"]["all"]["corners"])]
+        for measure in ("repeatability", "rho"):
+            for part in ("all", TEXTURE, STRUCTURE):
+                each = measures[measure].get(part)
+                cells += [f"{figure(each[measure])}, {percent(each['gain'])}"] if each else ["–"]
+        rows.append(cells)
+    parts = ("all", TEXTURE, STRUCTURE)
+    headings = [f"{words}: {part}" for words in ("repeatability", "ρ") for part in parts]
+    return table(["each with those before it", "corners", *headings], rows)
+
+
+def _adaptation(found: Record) -> Record:
+    rows = [
+        [target, law, number(series["summary"]["frames"]), f"{100 * series['summary']['median_error']:.0f} %"]
+        + [f"{100 * share:.0f} %" for share in series["summary"]["within"].values()]
+        for target, laws in found["targets"].items()
+        for law, series in laws.items()
+    ]
+    summary = next(iter(next(iter(found["targets"].values())).values()))["summary"]
+    within = [f"within {100 * float(share):g} %" for share in summary["within"]]
+    headings = ["target", "law", "frames judged", "median error", *within]
+    return {"size": "×".join(map(str, found["size"])), "table": table(headings, rows, "ll")}
 
 
 def _robustness(found: Record) -> Record:
