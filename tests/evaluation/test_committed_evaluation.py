@@ -68,7 +68,9 @@ def test_table_5_is_that_of_this_detector(name: str) -> None:
     for method in (INTEGER, *get_args(Fit)):
         fresh = (outcome.offsets(method) + (17.6, 129.4)).round(4).tolist()
         kept = [row[method] for row in rows if row[method] is not None]
-        assert fresh == [pytest.approx(position, abs=2e-4) for position in kept], f"run cornerstream eval: {method}"
+        assert fresh == [pytest.approx(position, abs=2e-4) for position in kept], (
+            f"run cornerstream eval: {method}"
+        )
 
 
 @pytest.mark.parametrize("name", PROFILES)
