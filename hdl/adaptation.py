@@ -39,7 +39,7 @@ class Adaptation(wiring.Component):
 
     Members
     -------
-    corner, response
+    corner, strength
         In this clock there is a corner to count, and its D. Not in two clocks in a row, and not while busy.
     last, target
         In this clock the frame ends; it is to be read for this target. A corner may come in the same clock.
@@ -56,7 +56,7 @@ class Adaptation(wiring.Component):
         super().__init__(
             {
                 "corner": In(1),
-                "response": In(parameters.response_bits),
+                "strength": In(parameters.response_bits),
                 "last": In(1),
                 "target": In(BUDGET_BITS),
                 "kept": In(adapted_layout(parameters)),
@@ -120,7 +120,7 @@ class Adaptation(wiring.Component):
         reading, writing = memory.read_port(), memory.write_port()
 
         response = Signal(self._parameters.response_bits, reset_less=True)
-        m.d.sync += [response.eq(self.response), number.eq(Mux(scanning, place, self._bin(response)))]
+        m.d.sync += [response.eq(self.strength), number.eq(Mux(scanning, place, self._bin(response)))]
         # suffixes: the clock of EVENT_CLOCKS
         number_4 = _later(m, number, 2, "bin")
         counted_4 = _later(m, self.corner, 4, "counted")

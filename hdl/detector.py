@@ -242,12 +242,10 @@ class Detector(wiring.Component):
     def _window_chain(self, m: Module) -> None:
         """From responses to candidates."""
         centre_rows, corners, equations = self._centre_rows, self._corner_detection, self._equations
-        for name, block in (
-            ("centre_rows", centre_rows),
-            ("corner_detection", corners),
-            ("gradient_step" if self._by_gradients else "surface", equations),
-        ):
-            m.submodules[name] = block
+        if not (self._by_gradients and self._wide):
+            m.submodules.centre_rows = centre_rows
+        m.submodules.corner_detection = corners
+        m.submodules["gradient_step" if self._by_gradients else "surface"] = equations
         columns, texture = self._response_buffer.o, self._texture_filter
         limits = self._thresholds.thresholds
         # These move in step: they are ready whenever the candidate selection is, and equally long.
@@ -285,7 +283,7 @@ class Detector(wiring.Component):
             adaptation.corner.eq(
                 step & corners.payload.data.peak & ~self._candidates.textures.payload.data.textured
             ),
-            adaptation.response.eq(corners.payload.data.response),
+            adaptation.strength.eq(corners.payload.data.response),
             adaptation.last.eq(step & corners.payload.eof),
             adaptation.target.eq(limits.payload.target_corners),
             adaptation.kept.eq(self.kept),

@@ -69,7 +69,7 @@ def simulate(
             for number, response in enumerate(responses.tolist()):
                 last = number == len(responses) - 1 and (seed is None or bool(rng.integers(2)))
                 ctx.set(dut.corner, 1)
-                ctx.set(dut.response, response)
+                ctx.set(dut.strength, response)
                 ctx.set(dut.last, last)
                 ctx.set(dut.target, target)
                 await ctx.tick()
