@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from golden import Parameters, Settings, StreamModel, profile
 from golden.detector import frame_records, response_map
+from golden.parameters import Reference
 from golden.thresholds import choose_reference, thresholds
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ NOISE = 2.0
 SEED = 0
 TARGETS = (100, 300)
 TOLERANCES = (1 / 8, 1 / 4)
-LAWS = {
+LAWS: dict[str, Reference] = {
     "histogram, constant reference": "constant",
     "histogram, reference of the frame before": "previous",
     "steps, reference of the frame before": "previous",
