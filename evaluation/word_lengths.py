@@ -182,6 +182,12 @@ def _response(
         }
 
 
+def _ratio(values: Values) -> Values:
+    """Of the sums of both columns."""
+    part, whole = np.moveaxis(values.sum(axis=-2), -1, 0)
+    return np.where(whole > 0, part / np.maximum(whole, 1), np.nan)
+
+
 def _detections(
     parameters: Parameters,
     images: Sequence[NamedImage],

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.budget_mutations import BUDGET_MUTATIONS
+
 ROOT = Path(__file__).resolve().parents[1]
 COPIED = ("golden", "hdl", "sim", "tests", "pyproject.toml")
 TESTS_FAILED = 1
@@ -399,6 +401,7 @@ MUTATIONS = {
         "return [self._cut()]\n",
         "tests/golden/test_video.py",
     ),
+    **{name: Mutation(*fields) for name, fields in BUDGET_MUTATIONS.items()},
 }
 
 
