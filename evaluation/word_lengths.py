@@ -15,7 +15,7 @@ from amaranth.lib import wiring
 from numpy.typing import NDArray
 
 from evaluation import scenes
-from evaluation.bootstrap import Statistic, estimate, median
+from evaluation.bootstrap import Statistic, Values, estimate, median
 from evaluation.scenes import Kind, Scene
 from evaluation.sources import NamedImage, photographs
 from flow.area import Area
