@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cornerstream.cli import main
 from evaluation.comparison import FIGURES_NAME
 from golden import Settings, detect, profile
+from golden.detector import response_map
 from hdl.circular_buffer import CircularBuffer
 from hdl.detector import Detector
 from hdl.subpixel import Subpixel
@@ -117,10 +118,7 @@ def bright_square(degrees: float) -> NDArray[np.uint8]:
 @pytest.mark.parametrize("name", ["paper", "robust"])
 def test_responses_of_a_turned_square(name: str) -> None:
     angles = [int(cell.strip("°")) for cell in rows("square turned by")[1:]]
-    largest = [
-        int(detect(bright_square(angle), profile(name), Settings(sigma2=15)).response.max())
-        for angle in angles
-    ]
+    largest = [int(response_map(bright_square(angle), profile(name)).max()) for angle in angles]
     assert rows(f"`{name}`")[1:] == [str(value) for value in largest]
 
 

@@ -119,7 +119,9 @@ def compiled(folder: Path, text: str, compiler: list[str], *flags: str, suffix: 
 def recorded() -> Packet:
     """The records of a piece of a photograph, some of them rejected."""
     image = photograph("camera")[100 : 100 + HEIGHT, 200 : 200 + WIDTH]
-    settings = Settings.default(PARAMETERS, sigma1=0.01, constant=1024, floor=64, report_rejected=True)
+    settings = Settings.default(
+        PARAMETERS, sigma1=0.01, sigma2=1.5, constant=1024, floor=64, report_rejected=True
+    )
     (packet,) = VideoModel(PARAMETERS).feed(marked(image), VideoSettings(WIDTH, HEIGHT, settings))
     return packet
 
