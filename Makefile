@@ -17,7 +17,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
-.PHONY: all verilog run package export synth tables test verify formal lint bench clean distclean help
+.PHONY: all verilog run package export synth tables eval test verify formal lint bench clean distclean help
 
 all: verilog run  ## the Verilog of the default core, and a photograph through the simulated hardware
 
@@ -54,6 +54,9 @@ lint: | $(TEST)  ## ruff and mypy
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+eval: | $(EVAL)  ## how good the corners are, into build/evaluation: some minutes; ARGS=--quick for less
+	$(BIN)/cornerstream eval --output $(BUILD)/evaluation $(ARGS)
 
 bench: | $(EVAL)  ## speed of the golden model and of the simulators
 	$(BIN)/cornerstream bench $(ARGS)

@@ -7,6 +7,7 @@ import click
 from cornerstream.bench import bench
 from cornerstream.detection import detect
 from cornerstream.errors import OneLineGroup
+from cornerstream.eval import evaluate
 from cornerstream.export import export
 from cornerstream.package import package
 from cornerstream.report import report
@@ -34,10 +35,11 @@ def main() -> None:
       cornerstream package -o ip             the core with drivers, descriptions and an example
       cornerstream export -o project         the core, as a Quartus project
       cornerstream synth                     its area and clock frequency
+      cornerstream eval                      how good its corners are
 
     Exit codes: 0 all well, 1 hardware and golden model differ or the run failed, 2 bad input.
     """
 
 
-for command in (simulate, detect, verilog, package, export, report, synth, tables, bench):
+for command in (simulate, detect, verilog, package, export, report, synth, tables, bench, evaluate):
     main.add_command(command)

@@ -107,6 +107,16 @@ def write_all(contents: Mapping[Path, bytes]) -> None:
             leftover.unlink(missing_ok=True)
 
 
+def read_figures(path: Path) -> dict[str, Any]:
+    """What was measured before; :class:`BadInput` if there is none."""
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise BadInput(f"cannot read {path}: {reason(error)}; allowed: what was measured before") from error
+    except ValueError as error:
+        raise BadInput(f"{path} is no JSON; allowed: what was measured before") from error
+
+
 def earlier_files(folder: Path, manifest: str, what: str, *, force: bool) -> set[str]:
     """Files of an earlier run into this folder, known by its manifest; :class:`BadInput` if it is somebody else's.
 

@@ -13,10 +13,13 @@ from golden import PROFILES, Parameters, Settings, profile
 from golden.parameters import (
     MAX_SUPPRESSION,
     Buffering,
+    Derivative,
     Fit,
     Gradient,
     Patches,
     Reference,
+    ResponseFilter,
+    Texture,
     Ties,
     check_integer,
 )
@@ -25,8 +28,8 @@ from hdl.edges import Interface, check_core
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 _DETECTOR = (
-    *("gradient", "ties", "fit", "patches", "suppression", "budget", "buffering"),
-    *("max_width", "max_height", "pixel_bits"),
+    *("gradient", "derivative", "response_filter", "ties", "fit", "texture", "patches"),
+    *("suppression", "budget", "buffering", "max_width", "max_height", "pixel_bits"),
 )
 _EDGES = ("video_out", "autostart")
 _THRESHOLDS = ("sigma1", "sigma2", "reference", "constant", "floor", "max_corners", "target_corners")
@@ -56,8 +59,13 @@ detector_options = _together(
         help="Named set of the choices below.",
     ),
     _choice("--gradient", Gradient, "Keep the sign of gx·gy, or not, as the paper."),
+    _choice(
+        "--derivative", Derivative, "Differences of neighbours as the paper, or smoothed across by Sobel."
+    ),
+    _choice("--response-filter", ResponseFilter, "Smooth D before its peaks are looked for, or not."),
     _choice("--ties", Ties, "Of two equal neighbouring responses: neither is a corner, or the first."),
     _choice("--fit", Fit, "Subpixel surface; 'printed' is the paper's misprint (golden model only)."),
+    _choice("--texture", Texture, "Texture filter: the paper's patches, or a threshold by the local mean."),
     _choice("--patches", Patches, "Patches of the texture filter: 3x3 regions or single pixels."),
     click.option(
         "--suppression",
@@ -121,7 +129,8 @@ threshold_options = _together(
         type=float,
         default=_USUAL.sigma2,
         show_default=True,
-        help="A corner has a texture measure below sigma2 times the reference; 0 <= sigma2 < 16.",
+        help="A corner has a texture measure below sigma2 times the reference; 0 <= sigma2 < 16. "
+        "With --texture mean: weight of the local mean, in eighths up to 15/8.",
     ),
     click.option(
         "--reference",

@@ -9,8 +9,8 @@ from pathlib import Path
 import click
 
 from cornerstream import console
-from cornerstream.errors import BadInput, Failed, one_line, reason
-from cornerstream.files import prepare_folder, write_all
+from cornerstream.errors import Failed, one_line
+from cornerstream.files import prepare_folder, read_figures, write_all
 from cornerstream.options import output_option
 from cornerstream.tools import running_tools
 from evaluation.comparison import FIGURES_NAME, PAGE_NAME, page
@@ -49,22 +49,13 @@ def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool
     folder = output if output is not None else CACHE if quick else Path("docs")
     prepare_folder(folder)
     if page_only:
-        figures, files = _read(folder / FIGURES_NAME), {}
+        figures, files = read_figures(folder / FIGURES_NAME), {}
     else:
         figures = _measure(quick=quick, synthesis=not no_synthesis, jobs=jobs)
         files = {folder / FIGURES_NAME: (json.dumps(figures, indent=1) + "\n").encode()}
     files[folder / PAGE_NAME] = page(figures).encode()
     write_all(files)
     console.files_written(list(files))
-
-
-def _read(path: Path) -> Record:
-    try:
-        return dict(json.loads(path.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise BadInput(f"cannot read {path}: {reason(error)}; allowed: what was measured before") from error
-    except ValueError as error:
-        raise BadInput(f"{path} is no JSON; allowed: what was measured before") from error
 
 
 def _measure(*, quick: bool, synthesis: bool, jobs: int) -> Record:

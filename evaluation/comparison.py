@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-
 from evaluation import paper_tables as paper
 from evaluation.figures import SIZES, Record
+from evaluation.markdown import number, table
 
 FIGURES_NAME = "comparison.json"
 PAGE_NAME = "comparison.md"
 
-_ALIGN = {"l": "---", "r": "---:"}
 _VARIANT = "cornerstream, `{profile}`, `{buffering}`"
 _CLOCK_HZ = paper.CLOCK_MHZ * 1_000_000
 
@@ -43,17 +41,6 @@ _INTRODUCTION = """# Beside the paper and its peers
 Written by `cornerstream tables`, which measures every figure of ours on this page and keeps them in
 [comparison.json](comparison.json); not to be edited. The paper's figures are Quartus', after fitting; ours are
 estimates by other tools, because Quartus has not been at hand: the [notes](#notes) say which tool estimated what."""
-
-
-def _markdown(headings: Sequence[str], rows: Iterable[Sequence[str]], align: str = "l") -> str:
-    """A table; ``align`` has l or r for each column, and what it leaves out is r."""
-    sides = [_ALIGN[side] for side in align.ljust(len(headings), "r")]
-    lines = [headings, sides, *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
-
-
-def _number(value: float | None, digits: int = 0) -> str:
-    return "–" if value is None else f"{value:,.{digits}f}"
 
 
 def _percent(part: float | None, whole: float) -> str:
@@ -92,20 +79,20 @@ def _summary(builds: list[Record]) -> list[str]:
         rows.append(
             [
                 _variant(build),
-                f"{_number(build['le_packed'])} ({_percent(build['le_packed'], elements)})",
-                f"{_number(build['memory_bits'])} ({_percent(build['memory_bits'], bits)})",
-                _number(build["multipliers"]),
-                _number(build["fmax_mhz"], 1),
+                f"{number(build['le_packed'])} ({_percent(build['le_packed'], elements)})",
+                f"{number(build['memory_bits'])} ({_percent(build['memory_bits'], bits)})",
+                number(build["multipliers"]),
+                number(build["fmax_mhz"], 1),
             ]
         )
     if not rows:
         return []
-    first = [paper.NAME, _number(elements), _number(bits), "0", f"{paper.CLOCK_MHZ} as run"]
+    first = [paper.NAME, number(elements), number(bits), "0", f"{paper.CLOCK_MHZ} as run"]
     headings = ["1200×720", "logic elements¹", "memory bits²", "multipliers", "Fmax in MHz³"]
     return [
         "All do the same work: response, non-maximum suppression, texture filter, subpixel step. In brackets: of the "
         "paper's.",
-        _markdown(headings, [first, *rows]),
+        table(headings, [first, *rows]),
     ]
 
 
@@ -129,19 +116,19 @@ def _table_1(builds: list[Record]) -> list[str]:
             # there is nothing in the core that could become one
             value = build[fields[row.name]] if row.name in fields else 0
             share = f" ({_percent(value, wholes[row.name])})" if row.name in wholes else ""
-            ours.append(_number(value) + share)
+            ours.append(number(value) + share)
         rows.append([row.name + marks.get(row.name, ""), f"{row.demand:,} ({row.percent} %)", *ours])
     headings = ["resource", "paper", *map(_short, chosen)]
     return [
         "## Table 1: resources",
         f"1200×720, {paper.DEVICE}; in brackets: of the device.",
-        _markdown(headings, rows),
+        table(headings, rows),
     ]
 
 
 def _table_2(builds: list[Record]) -> list[str]:
     rows = [
-        [row.method, _number(row.logic_elements), _number(row.block_rams), row.approach, *_extras(row.method)]
+        [row.method, number(row.logic_elements), number(row.block_rams), row.approach, *_extras(row.method)]
         for row in paper.TABLE_2
     ]
     vitis = paper.VITIS
@@ -155,7 +142,7 @@ def _table_2(builds: list[Record]) -> list[str]:
         ]
     )
     rows += [
-        [_variant(build), _number(build["le_packed"]), _number(build["m9k"]), "Shi-Tomasi", "yes", "yes"]
+        [_variant(build), number(build["le_packed"]), number(build["m9k"]), "Shi-Tomasi", "yes", "yes"]
         for build in _of_size(builds, paper.SIZE)
     ]
     headings = ["method", "logic elements¹", "block RAMs⁷", "approach", "texture filter", "subpixel"]
@@ -163,7 +150,7 @@ def _table_2(builds: list[Record]) -> list[str]:
         "## Table 2: resources of other designs",
         "The paper and ours at 1200×720. The others as the paper prints them, on various devices; the numbers in "
         "brackets are its references.",
-        _markdown(headings, rows, "lrrlll"),
+        table(headings, rows, "lrrlll"),
     ]
 
 
@@ -175,16 +162,16 @@ def _table_3(builds: list[Record]) -> list[str]:
     rows = []
     for row in paper.TABLE_3:
         area = row.width * row.height
-        theirs = [_number(row.frames_per_second), _number(row.pixels_per_second)]
+        theirs = [number(row.frames_per_second), number(row.pixels_per_second)]
         for build in _of_size(builds, (row.width, row.height)):
             frames = _CLOCK_HZ / build["clocks_per_frame"]
-            ours = [_number(build["clocks_per_frame"]), _number(frames, 1), _number(frames * area)]
+            ours = [number(build["clocks_per_frame"]), number(frames, 1), number(frames * area)]
             rows.append([_size(row.width, row.height), _short(build), *theirs, *ours])
     headings = [
         *("resolution", "cornerstream", "paper: frames/s", "pixels/s"),
         *("ours: clocks per frame⁸", "frames/s", "pixels/s"),
     ]
-    return [f"## Table 3: speed at {paper.CLOCK_MHZ} MHz", _markdown(headings, rows, "ll")]
+    return [f"## Table 3: speed at {paper.CLOCK_MHZ} MHz", table(headings, rows, "ll")]
 
 
 def _table_4(builds: list[Record]) -> list[str]:
@@ -192,8 +179,8 @@ def _table_4(builds: list[Record]) -> list[str]:
         [
             row.method + ("⁹" if "Amaricai" in row.method else ""),
             _size(row.width, row.height),
-            _number(row.frames_per_second),
-            _number(row.pixels_per_second),
+            number(row.frames_per_second),
+            number(row.pixels_per_second),
         ]
         for row in (*paper.TABLE_4, *paper.TABLE_3)
     ]
@@ -203,8 +190,8 @@ def _table_4(builds: list[Record]) -> list[str]:
         [
             f"{vitis.method}, {vitis.clock_mhz} MHz⁶",
             _size(vitis.width, vitis.height),
-            _number(hertz / (vitis.width * vitis.height), 1),
-            _number(hertz),
+            number(hertz / (vitis.width * vitis.height), 1),
+            number(hertz),
         ]
     )
     for size in SIZES[:2]:
@@ -216,11 +203,9 @@ def _table_4(builds: list[Record]) -> list[str]:
             for words, hertz_of_ours in clocks:
                 frames = hertz_of_ours / build["clocks_per_frame"]
                 pixels = frames * size[0] * size[1]
-                rows.append(
-                    [f"{_variant(build)}, {words}", _size(*size), _number(frames, 1), _number(pixels)]
-                )
+                rows.append([f"{_variant(build)}, {words}", _size(*size), number(frames, 1), number(pixels)])
     headings = ["method", "resolution", "frames/s", "pixels/s"]
-    return ["## Table 4: speed of other designs", _markdown(headings, rows, "ll")]
+    return ["## Table 4: speed of other designs", table(headings, rows, "ll")]
 
 
 def _every_build(builds: list[Record]) -> list[str]:
@@ -231,16 +216,16 @@ def _every_build(builds: list[Record]) -> list[str]:
                 _size(build["width"], build["height"]),
                 _short(build),
                 *(
-                    _number(build[field])
+                    number(build[field])
                     for field in (
                         *("lut4", "ff", "le_packed", "le_lower", "le_upper"),
                         *("m9k", "memory_bits", "multipliers"),
                     )
                 ),
-                _number(build["fmax_mhz"], 1),
-                _number(build["clocks_per_frame"]),
-                _number(_frames(build, _CLOCK_HZ), 1),
-                _number(_frames(build, _fmax_hz(build)), 1),
+                number(build["fmax_mhz"], 1),
+                number(build["clocks_per_frame"]),
+                number(_frames(build, _CLOCK_HZ), 1),
+                number(_frames(build, _fmax_hz(build)), 1),
             ]
         )
     headings = [
@@ -248,7 +233,7 @@ def _every_build(builds: list[Record]) -> list[str]:
         *("memory bits²", "multipliers", "Fmax in MHz³", "clocks per frame⁸"),
         *(f"frames/s at {paper.CLOCK_MHZ} MHz", "frames/s at Fmax"),
     ]
-    return ["## Every build", _markdown(headings, rows, "ll")]
+    return ["## Every build", table(headings, rows, "ll")]
 
 
 def _notes(figures: Record) -> list[str]:

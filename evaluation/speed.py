@@ -13,7 +13,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from statistics import median
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from evaluation.packages import MissingPackageError, opencv
 from golden import Parameters, Settings, StreamModel, detect
 from hdl.detector import Detector
 from sim import Engine, EngineName, compare, make_engine, simulate_frames
@@ -39,10 +39,6 @@ CLOCKS_GOAL = 800_000.0
 """The compiled simulation reaches at least so many clocks per second ..."""
 SPEEDUP_GOAL = 250.0
 """... and so many times Amaranth's simulator."""
-
-
-class MissingPackageError(ImportError):
-    """An optional package is not installed; the message names it and how to get it."""
 
 
 @dataclass(frozen=True)
@@ -102,17 +98,6 @@ class EngineSpeed:
     speedup: float
     clocks_goal: float = CLOCKS_GOAL
     speedup_goal: float = SPEEDUP_GOAL
-
-
-def opencv() -> ModuleType:
-    """OpenCV, or :class:`MissingPackageError`."""
-    try:
-        import cv2
-    except ImportError as error:
-        raise MissingPackageError(
-            "OpenCV is not installed; get it with: pip install 'cornerstream[eval]'"
-        ) from error
-    return cv2
 
 
 def mirrored_photograph(shape: tuple[int, int]) -> Image:

@@ -10,6 +10,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from golden.adaptation import adapted_threshold, histogram
+from golden.adaptive_threshold import adaptive_threshold
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
 from golden.normal_equations import PIXEL_SIZE
@@ -17,6 +18,7 @@ from golden.output_constructor import Corners, FrameEnd, Records, decode, encode
 from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings, check_integer
 from golden.preprocessing import Image, IntArray, gradients, products
 from golden.response import response
+from golden.response_filter import response_filter
 from golden.subpixel import subpixel
 from golden.texture_filter import texture_filter
 from golden.thresholds import Thresholds, choose_reference, thresholds
@@ -62,18 +64,30 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
     result = np.empty((height - 2 * RESPONSE_MARGIN, width - 2 * RESPONSE_MARGIN), dtype=np.int32)
     for top in range(0, len(result), _STRIP_ROWS):
         strip = image[top : top + _STRIP_ROWS + 2 * RESPONSE_MARGIN]
-        gx, gy = gradients(strip)
+        gx, gy = gradients(strip, parameters.derivative)
         a, b, c = (smooth(product) for product in products(gx, gy, parameters.gradient))
         result[top : top + _STRIP_ROWS] = response(a, b, c)
     return result
 
 
+def peak_responses(responses: IntArray, parameters: Parameters) -> IntArray:
+    """The responses whose peaks are corners: of all pixels that can be reported, and as far around as that needs.
+
+    (height, width) in, (height - 8 + 2·suppression, width - 8 + 2·suppression) out.
+    """
+    edge = WINDOW_SIZE // 2 - parameters.suppression
+    if parameters.response_filter == "binomial":
+        edge -= 1
+    height, width = responses.shape
+    inside = responses[edge : height - edge, edge : width - edge]
+    return response_filter(inside) if parameters.response_filter == "binomial" else inside
+
+
 def corner_map(responses: IntArray, t1: int, parameters: Parameters) -> NDArray[np.bool_]:
     """E of all pixels that can be reported, from all responses: (height, width) in, (height-8, width-8) out."""
-    edge = WINDOW_SIZE // 2 - parameters.suppression
-    height, width = responses.shape
-    reportable = responses[edge : height - edge, edge : width - edge]
-    return corner_detection(reportable, t1, parameters.ties, parameters.suppression)
+    return corner_detection(
+        peak_responses(responses, parameters), t1, parameters.ties, parameters.suppression
+    )
 
 
 def frame_records(
@@ -89,22 +103,27 @@ def frame_records(
 
     With ``pixels``, only of those whose whole support lies in the frame's first so many pixels, in raster order.
     """
-    inner = MARGIN - RESPONSE_MARGIN
-    rows, columns = np.nonzero(corner_map(responses, limits.t1, parameters))
+    radius = parameters.suppression
+    peaks = peak_responses(responses, parameters)
+    rows, columns = np.nonzero(corner_detection(peaks, limits.t1, parameters.ties, radius))
     if pixels is not None:
         width = responses.shape[1] + 2 * RESPONSE_MARGIN
         decided = (rows + 2 * MARGIN) * width + columns + 2 * MARGIN < pixels
         rows, columns = rows[decided], columns[decided]
     windows = sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
-    textured = ~texture_filter(windows, limits.t2, parameters.patches)
+    values = peaks[rows + radius, columns + radius]
+    if parameters.texture == "mean":
+        accepted, values = adaptive_threshold(values, windows, limits.t1, limits.t2)
+    else:
+        accepted = texture_filter(windows, limits.t2, parameters.patches)
     if not report_rejected:
-        keep = ~textured
-        rows, columns, windows, textured = rows[keep], columns[keep], windows[keep], textured[keep]
+        rows, columns, values = rows[accepted], columns[accepted], values[accepted]
+        accepted = accepted[accepted]
     around = MARGIN - PIXEL_SIZE // 2
     pixel_windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[rows + around, columns + around]
-    patches = windows[:, inner - 1 : inner + 2, inner - 1 : inner + 2]
+    patches = sliding_window_view(peaks, (3, 3))[rows + radius - 1, columns + radius - 1]
     offset = subpixel(patches, parameters, pixel_windows)
-    return encode(columns + MARGIN, rows + MARGIN, windows[:, inner, inner], offset, textured)
+    return encode(columns + MARGIN, rows + MARGIN, values, offset, ~accepted)
 
 
 def within_budget(records: Records, settings: Settings) -> Records:

@@ -40,4 +40,5 @@ def divide(numerator: Int64, denominator: Int64, limit: int = HALF) -> Int64:
 
 def reaches(numerator: Int64, denominator: Int64, limit: int) -> NDArray[np.bool_]:
     """Is the quotient's size ``limit`` or more?"""
-    return np.abs(numerator) << OFFSET_BITS >= limit * denominator
+    places = limit.bit_length() - HALF.bit_length()
+    return np.abs(numerator) << 1 >= denominator << places

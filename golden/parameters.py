@@ -10,9 +10,12 @@ from numbers import Integral, Real
 from typing import Any, Literal, get_args
 
 Gradient = Literal["absolute", "signed"]
+Derivative = Literal["central", "sobel"]
+ResponseFilter = Literal["none", "binomial"]
 Ties = Literal["strict", "first"]
 Fit = Literal["nine", "six", "printed", "gradient"]
 Patches = Literal["regions", "pixels"]
+Texture = Literal["patches", "mean"]
 Buffering = Literal["banked", "lean"]
 Reference = Literal["previous", "constant"]
 
@@ -32,11 +35,13 @@ SIGMA_BITS = 16
 """Fractional bits of sigma1 and sigma2."""
 SIGMA2_INTEGER_BITS = 4
 """sigma2 reaches 16: tau cannot exceed 8 times the frame's largest D, so with that as Dref 8 is plenty."""
+MEAN_WEIGHT_BITS, MEAN_WEIGHT_FRACTION_BITS = 4, 3
+"""sigma2 where the texture filter is an adaptive threshold: eighths from 0 to 15."""
 MAX_SUPPRESSION = WINDOW_SIZE // 2
 """Largest radius of the non-maximum suppression: the whole response window."""
 BUDGET_BITS = 16
 """Of ``Settings.max_corners`` and ``target_corners``."""
-OPTIONS = frozenset({"suppression", "budget"})
+OPTIONS = frozenset({"derivative", "response_filter", "texture", "suppression", "budget"})
 """Fields of ``Parameters`` that go without mention where they have their default."""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
 MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10
@@ -82,6 +87,13 @@ class Parameters:
     gradient
         ``"absolute"``: C = |gx|·|gy| as the paper prints it; ``"signed"``: C keeps the sign of gx·gy,
         without which corners whose edges lie at ±45° have no response.
+    derivative
+        ``"central"``: differences of a pixel's two neighbours, as the paper has it; ``"sobel"``: these smoothed
+        across by [1 2 1] / 4 and rounded, out of the same pixels. Less noise in D, and less that changes when
+        the image moves by a part of a pixel.
+    response_filter
+        ``"binomial"``: corners are the peaks of S, which is D smoothed by [1 2 1]ᵀ[1 2 1] / 16, and T1 and a
+        quadratic surface refer to S. At a saddle D may have two peaks where S has one. ``"none"``: S = D.
     ties
         ``"strict"``: of two equal neighbouring responses neither is a corner (Eq. 5);
         ``"first"``: the one that comes first in raster order is.
@@ -91,6 +103,10 @@ class Parameters:
         golden model only, because they cannot recover even an exact paraboloid). ``"gradient"`` fits no
         surface: one step towards the point that the gradients of the 7x7 window around the candidate are
         orthogonal to, always with signed products; takes pixels along with the responses.
+    texture
+        Texture filter: ``"patches"``: the paper's, Eqs. 6-9; ``"mean"``: an adaptive threshold, see
+        ``golden.adaptive_threshold``: a corner's response must be above T1 by sigma2 times the local level of D.
+        What is left of it is the response reported.
     patches
         Fig. 5 of the texture filter: ``"regions"``: patch k is the four 3x3 regions at the corners of
         the (2k+3)x(2k+3) square; ``"pixels"``: four single diagonal pixels at radius k.
@@ -123,8 +139,11 @@ class Parameters:
     max_width: int = 1920
     max_height: int = 1080
     gradient: Gradient = "absolute"
+    derivative: Derivative = "central"
+    response_filter: ResponseFilter = "none"
     ties: Ties = "strict"
     fit: Fit = "nine"
+    texture: Texture = "patches"
     patches: Patches = "regions"
     suppression: int = 1
     budget: bool = False
@@ -148,10 +167,21 @@ class Parameters:
             if not isinstance(getattr(self, field), bool):
                 raise ValueError(f"{field} is {getattr(self, field)!r}; allowed: True or False")
         _check_choice("gradient", self.gradient, Gradient)
+        _check_choice("derivative", self.derivative, Derivative)
+        _check_choice("response_filter", self.response_filter, ResponseFilter)
         _check_choice("ties", self.ties, Ties)
+        _check_choice("texture", self.texture, Texture)
         _check_choice("fit", self.fit, Fit)
         _check_choice("patches", self.patches, Patches)
         _check_choice("buffering", self.buffering, Buffering)
+        if self.response_filter == "binomial":
+            # S is known one pixel less far around a corner; a surface could not wait for more than its own 3x3 of it
+            most = MAX_SUPPRESSION - 1 if self.fit == "gradient" else 1
+            if self.suppression > most:
+                raise ValueError(
+                    f"suppression is {self.suppression}; allowed with response_filter 'binomial' "
+                    f"and fit {self.fit!r}: 1" + (f" to {most}" if most > 1 else "")
+                )
 
     @property
     def described(self) -> dict[str, Any]:
@@ -223,6 +253,8 @@ class Settings:
         Corner threshold, 0 <= sigma1 < 1: a corner has D > T1 = sigma1 · Dref. Rounded to 1/65536.
     sigma2
         Texture threshold, 0 <= sigma2 < 16: a corner has tau < T2 = sigma2 · Dref. Rounded to 1/65536.
+        With ``texture="mean"``: how much the local level of D counts, whatever Dref; rounded down to eighths, and
+        at most 15/8.
     reference
         Dref: the largest D of the ``"previous"`` frame, or the ``"constant"``. The first frame after
         reset has no previous one and uses the constant.
@@ -290,6 +322,11 @@ class Settings:
         return min(round(self.sigma1 * (1 << SIGMA_BITS)), (1 << SIGMA_BITS) - 1)
 
     @property
+    def mean_weight(self) -> int:
+        """sigma2 in eighths, as the adaptive threshold takes it."""
+        return min(self.sigma2_fixed >> (SIGMA_BITS - MEAN_WEIGHT_FRACTION_BITS), (1 << MEAN_WEIGHT_BITS) - 1)
+
+    @property
     def sigma2_fixed(self) -> int:
         """sigma2 in units of 2**-SIGMA_BITS, as the hardware takes it."""
         limit = 1 << (SIGMA_BITS + SIGMA2_INTEGER_BITS)
@@ -298,7 +335,15 @@ class Settings:
 
 PROFILES: dict[str, Parameters] = {
     "paper": Parameters(),
-    "robust": Parameters(gradient="signed", ties="first", fit="gradient", buffering="lean"),
+    "robust": Parameters(
+        gradient="signed",
+        derivative="sobel",
+        response_filter="binomial",
+        ties="first",
+        fit="gradient",
+        texture="mean",
+        buffering="lean",
+    ),
 }
 
 

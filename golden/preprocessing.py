@@ -7,24 +7,39 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.parameters import Gradient
+from golden.parameters import Derivative, Gradient
 
 Image = NDArray[np.unsignedinteger[Any]]
 """(height, width) or windows (..., height, width), unsigned pixels."""
 IntArray = NDArray[np.signedinteger[Any]]
 
 
-def gradients(image: Image) -> tuple[IntArray, IntArray]:
+def gradients(image: Image, derivative: Derivative = "central") -> tuple[IntArray, IntArray]:
     """Signed differences whose absolute values are the paper's gradients.
 
         gx = I(x-1, y) - I(x+1, y)        gy = I(x, y-1) - I(x, y+1)
 
+    With ``"sobel"`` each is the mean of itself and its neighbours across, with weights 1 2 1, rounded to nearest,
+    halves away from zero: no larger than a pixel either, and mirrored images have mirrored gradients.
+
     Returns two (..., height-2, width-2) int16 arrays: the outermost pixels have no gradient.
     """
     pixels = image.astype(np.int16)
+    if derivative == "sobel":
+        return _sobel(pixels)
     gx = pixels[..., 1:-1, :-2] - pixels[..., 1:-1, 2:]
     gy = pixels[..., :-2, 1:-1] - pixels[..., 2:, 1:-1]
     return gx, gy
+
+
+def _sobel(pixels: IntArray) -> tuple[IntArray, IntArray]:
+    down = pixels[..., :-2, :] + 2 * pixels[..., 1:-1, :] + pixels[..., 2:, :]
+    across = pixels[..., :, :-2] + 2 * pixels[..., :, 1:-1] + pixels[..., :, 2:]
+    return _quarter(down[..., :, :-2] - down[..., :, 2:]), _quarter(across[..., :-2, :] - across[..., 2:, :])
+
+
+def _quarter(sums: IntArray) -> IntArray:
+    return (sums + 1 + (sums >= 0)) >> 2
 
 
 def products(gx: IntArray, gy: IntArray, gradient: Gradient) -> tuple[IntArray, IntArray, IntArray]:

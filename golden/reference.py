@@ -18,7 +18,11 @@ from numpy.typing import NDArray
 
 from golden.detector import check_image
 from golden.output_constructor import Corners, Flag
-from golden.parameters import MARGIN, Fit, Gradient, Parameters, Patches, Settings, Ties
+from golden.parameters import MARGIN, Derivative, Fit, Gradient, Parameters, Patches, Settings, Ties
+
+MAX_WEIGHT = 15 / 8
+LEVEL_GAIN = 81 / 64
+"""Of the adaptive threshold: the largest sigma2, and what the mean is multiplied by beside it."""
 
 Map = NDArray[np.float64]
 """(height, width) float64."""
@@ -37,6 +41,10 @@ KERNEL: Map = (
 )
 """Eq. 1, with the misprinted 19/512 read as 16/512."""
 
+SOBEL: Map = np.array([[1, 0, -1], [2, 0, -2], [1, 0, -1]]) / 4
+"""Of gx, in the paper's sign; gy has it transposed."""
+BINOMIAL: Map = np.array([[1, 2, 1], [2, 4, 2], [1, 2, 1]]) / 16
+
 GRID_Y, GRID_X = (axis.reshape(-1) - 1 for axis in np.mgrid[:3, :3])
 """y and x of the samples S0 ... S8 of Fig. 7, relative to the centre S4."""
 SIX = (0, 3, 5, 7, 2, 6)
@@ -47,10 +55,15 @@ def _undefined(like: NDArray[Any]) -> Map:
     return np.full(like.shape, np.nan)
 
 
-def gradients(image: NDArray[Any]) -> tuple[Map, Map]:
+def gradients(image: NDArray[Any], derivative: Derivative = "central") -> tuple[Map, Map]:
     """Gx and Gy of Sec. 3.1 before their absolute value is taken."""
     pixels = image.astype(np.float64)
     gx, gy = _undefined(pixels), _undefined(pixels)
+    if derivative == "sobel":
+        windows = sliding_window_view(pixels, SOBEL.shape)
+        gx[1:-1, 1:-1] = np.einsum("yxvu,vu->yx", windows, SOBEL)
+        gy[1:-1, 1:-1] = np.einsum("yxvu,uv->yx", windows, SOBEL)
+        return gx, gy
     gx[1:-1, 1:-1] = pixels[1:-1, :-2] - pixels[1:-1, 2:]
     gy[1:-1, 1:-1] = pixels[:-2, 1:-1] - pixels[2:, 1:-1]
     return gx, gy
@@ -63,13 +76,25 @@ def smooth(values: Map) -> Map:
     return result
 
 
-def response_map(image: NDArray[Any], gradient: Gradient) -> Map:
+def response_map(image: NDArray[Any], gradient: Gradient, derivative: Derivative = "central") -> Map:
     """D = (A + B) - sqrt((A - B)² + 4C²) (Eq. 2), defined 3 pixels and more from the edge."""
-    gx, gy = gradients(image)
+    gx, gy = gradients(image, derivative)
     if gradient == "absolute":
         gx, gy = np.abs(gx), np.abs(gy)
     a, b, c = smooth(gx * gx), smooth(gy * gy), smooth(gx * gy)
     return (a + b) - np.sqrt((a - b) ** 2 + 4 * c**2)
+
+
+def binomial(responses: Map) -> Map:
+    """S: the weighted mean of D over 3x3, written out in two dimensions."""
+    result = _undefined(responses)
+    result[1:-1, 1:-1] = np.einsum("yxvu,vu->yx", sliding_window_view(responses, BINOMIAL.shape), BINOMIAL)
+    return result
+
+
+def local_mean(responses: Map, x: int, y: int) -> float:
+    """Of D over the 9x9 window around (x, y)."""
+    return float(responses[y - 4 : y + 5, x - 4 : x + 5].mean())
 
 
 def corner_map(responses: Map, t1: float, ties: Ties, radius: int = 1) -> NDArray[np.bool_]:
@@ -173,34 +198,39 @@ def reference_detect(
     settings = settings or Settings.default(parameters)
     image = check_image(image, parameters)
     settings.check(parameters)
-    responses = response_map(image, parameters.gradient)
+    responses = response_map(image, parameters.gradient, parameters.derivative)
+    peaks = binomial(responses) if parameters.response_filter == "binomial" else responses
     if reference is None:
         constant = settings.reference == "constant"
         reference = max(settings.constant if constant else float(np.nanmax(responses)), settings.floor)
     t1, t2 = settings.sigma1 * reference, settings.sigma2 * reference
+
+    def judge(y: int, x: int, t1: float) -> tuple[float, bool]:
+        """Response that is reported, and whether the texture filter keeps the corner."""
+        if parameters.texture == "mean":
+            level = LEVEL_GAIN * local_mean(responses, x, y)
+            value = float(peaks[y, x]) - min(settings.sigma2, MAX_WEIGHT) * level
+            return value, value > t1
+        return float(peaks[y, x]), texturization(responses, x, y, parameters.patches) < t2
+
     least = 0.0 if settings.target_corners else t1
-    peaks = corner_map(responses, least, parameters.ties, parameters.suppression)
+    corners = corner_map(peaks, least, parameters.ties, parameters.suppression)
     if settings.target_corners:
-        kept = sorted(
-            responses[y, x]
-            for y, x in np.argwhere(peaks).tolist()
-            if texturization(responses, x, y, parameters.patches) < t2
-        )
-        beyond = kept[: -settings.target_corners]
+        judged = [judge(y, x, least) for y, x in np.argwhere(corners).tolist()]
+        beyond = sorted(value for value, accepted in judged if accepted)[: -settings.target_corners]
         t1 = max(settings.sigma1 * settings.floor, *beyond[-1:])
-        peaks &= responses > t1
 
     found: list[tuple[float, float, float, int]] = []
-    for y, x in np.argwhere(peaks).tolist():
-        textured = not texturization(responses, x, y, parameters.patches) < t2
-        if textured and not settings.report_rejected:
+    for y, x in np.argwhere(corners & (peaks > t1)).tolist():
+        value, accepted = judge(y, x, t1)
+        if not accepted and not settings.report_rejected:
             continue
         if parameters.fit == "gradient":
             dx, dy, flag = gradient_step(image[y - 4 : y + 5, x - 4 : x + 5])
         else:
-            coefficients = surface(responses[y - 1 : y + 2, x - 1 : x + 2], parameters.fit)
+            coefficients = surface(peaks[y - 1 : y + 2, x - 1 : x + 2], parameters.fit)
             dx, dy, flag = peak(coefficients, printed=parameters.fit == "printed")
-        found.append((x + dx, y + dy, responses[y, x], flag | (Flag.TEXTURED if textured else Flag(0))))
+        found.append((x + dx, y + dy, max(value, 0), flag | (Flag(0) if accepted else Flag.TEXTURED)))
     found = found[: settings.max_corners or None]
     columns = np.array(found, dtype=np.float64).reshape(-1, 4).T
     return Corners(x=columns[0], y=columns[1], response=columns[2], flags=columns[3].astype(np.uint8))

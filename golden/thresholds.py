@@ -8,7 +8,10 @@ from golden.parameters import SIGMA_BITS, Parameters, Settings
 
 
 class Thresholds(NamedTuple):
-    """T1 in units of D; T2 in units of tau, that is times ``Parameters.pixels_per_region``."""
+    """T1 in units of D; T2 in units of tau, that is times ``Parameters.pixels_per_region``.
+
+    With ``texture="mean"`` T2 is no threshold but ``Settings.mean_weight``.
+    """
 
     t1: int
     t2: int
@@ -30,6 +33,8 @@ def thresholds(
     """
     t1 = (settings.sigma1_fixed * reference) >> SIGMA_BITS
     t2 = (settings.sigma2_fixed * reference * parameters.pixels_per_region) >> SIGMA_BITS
+    if parameters.texture == "mean":
+        t2 = settings.mean_weight
     if settings.target_corners and adapted is not None:
         t1 = max((settings.sigma1_fixed * settings.floor) >> SIGMA_BITS, adapted)
     return Thresholds(t1, t2)

@@ -14,6 +14,7 @@ from hdl.corner_detection import corner_layout
 from hdl.derivatives import derivatives_layout
 from hdl.queue import Queue
 from hdl.stream import Beat
+from hdl.texture_filter import texture_layout
 
 PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
 
@@ -60,7 +61,8 @@ class CandidateSelection(wiring.Component):
     corners
         Stream of ``Beat(corner_layout(parameters))`` from corner detection.
     textures
-        Stream of ``Beat({"textured", "keep"})`` from the texture filter, for the same centres in the same clocks.
+        Stream of ``Beat(texture_layout(parameters))`` from the texture filter, for the same centres in the same
+        clocks.
     surfaces
         Stream of ``derivatives_layout(parameters)`` from the surface fit, likewise.
     candidate
@@ -77,7 +79,7 @@ class CandidateSelection(wiring.Component):
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
-        texture = data.StructLayout({"textured": 1, "keep": 1})
+        texture = texture_layout(parameters)
         surface = derivatives_layout(parameters)
         super().__init__(
             {
@@ -129,7 +131,7 @@ class CandidateSelection(wiring.Component):
             notes.i.valid.eq(picked | ending),
             notes.i.payload.x.eq(place[0]),
             notes.i.payload.y.eq(place[1]),
-            notes.i.payload.response.eq(corner.response),
+            notes.i.payload.response.eq(texture.response if p.texture == "mean" else corner.response),
             notes.i.payload.textured.eq(texture.textured),
             notes.i.payload.end.eq(ending),
         ]

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, unsigned
-from amaranth.lib import data, stream, wiring
+from amaranth.hdl import Module, unsigned
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.output_constructor import COUNT_BITS
@@ -15,22 +15,16 @@ from golden.parameters import WINDOW_SIZE, Parameters
 from hdl.adaptation import Adaptation, adapted_layout
 from hdl.candidate_selection import CandidateSelection, mark_layout
 from hdl.centre_pixels import CentrePixels
-from hdl.centre_rows import CentreRows
 from hdl.circular_buffer import CircularBuffer
 from hdl.convolution import Convolution
-from hdl.corner_detection import CornerDetection
 from hdl.frame_control import FrameControl
-from hdl.gradient_step import GradientStep
-from hdl.late_beats import LateBeats
 from hdl.output_constructor import OutputConstructor, record_layout
 from hdl.preprocessing import PIXEL_ROWS, Preprocessing
 from hdl.response import Response
 from hdl.stream import Beat, SkidBuffer
 from hdl.subpixel import Subpixel
-from hdl.suppression import Suppression
-from hdl.surface import SurfaceFit
-from hdl.texture_filter import TextureFilter
 from hdl.thresholds import Thresholds, settings_layout
+from hdl.window_chain import WindowChain, waiting_layout
 
 
 def budget_members(parameters: Parameters) -> dict[str, Any]:
@@ -55,12 +49,9 @@ class Detector(wiring.Component):
             ├ candidates ─ subpixel ┬─ output constructor ─ records
             └ notes ────────────────┘
 
-    With ``fit="gradient"`` the pixel at each response's centre goes along with it through the second buffer, the
-    normal equations of the gradient step take the place of the surface fit, and the others wait for them:
-
-        buffer 9 ─┬ texture filter ────────────────────┬─ late beats ──────┐
-                  ├ centre rows ─── corner detection ──┘                   ├─ candidate selection
-                  └ pixels ─ step gradients ─ normal equations ────────────┘
+    With ``fit="gradient"`` the pixel at each response's centre goes along with it through the second buffer, and the
+    gradient step's normal equations take the place of the surface fit; other options exchange blocks of the windows,
+    too: see :class:`hdl.window_chain.WindowChain`.
 
     The paper also buffers A, B and C, and the responses three times, and refines every pixel. Here gradients and
     products are made anew for each row of the smoothing window; one response buffer serves all that need windows;
@@ -100,9 +91,7 @@ class Detector(wiring.Component):
         pixel, response = unsigned(p.pixel_bits), unsigned(p.response_bits)
 
         self._by_gradients = p.fit == "gradient"
-        waiting = (
-            data.StructLayout({"response": response, "pixel": pixel}) if self._by_gradients else response
-        )
+        waiting = waiting_layout(p, response, pixel)
 
         def buffer(shape: Any, rows: int, registers: int) -> CircularBuffer:
             return CircularBuffer(shape, rows, p.max_width, p.buffering, registers=registers)
@@ -115,19 +104,11 @@ class Detector(wiring.Component):
         self._response_skid = SkidBuffer(Beat(waiting))
         self._thresholds = Thresholds(p)
         self._response_buffer = buffer(waiting, WINDOW_SIZE, 1)
-        self._texture_filter = TextureFilter(p)
-        # the same, one for what always was, the other for every radius, and what would be corners but for T1
-        self._wide = p.suppression > 1 or p.budget
-        self._corner_detection = Suppression(p) if self._wide else CornerDetection(p)
+        self._windows = WindowChain(p)
         self._adaptation = Adaptation(p) if p.budget else None
-        self._centre_rows = CentreRows(p)
-        self._equations: SurfaceFit | GradientStep = GradientStep(p) if self._by_gradients else SurfaceFit(p)
         if self._by_gradients:
             responses = (self._preprocessing, self._convolution, self._response)
             self._centre_pixels = CentrePixels(p, sum(block.latency for block in responses))
-            found = {"corner": self._corner_detection.o.payload, "texture": self._texture_filter.o.payload}
-            layout = data.StructLayout({name: payload.shape() for name, payload in found.items()})
-            self._late_beats = LateBeats(layout, self._equations.latency - self._texture_filter.latency)
         self._candidates = CandidateSelection(p)
         self._subpixel = Subpixel(p)
         self._constructor = OutputConstructor(p)
@@ -156,8 +137,7 @@ class Detector(wiring.Component):
             "response skid": self._response_skid,
             "thresholds": self._thresholds,
             "response buffer": self._response_buffer,
-            "texture filter": self._texture_filter,
-            **({"late beats": self._late_beats} if self._by_gradients else {}),
+            **self._windows.blocks,
             "candidate selection": self._candidates,
             "output constructor": self._constructor,
         }
@@ -241,36 +221,10 @@ class Detector(wiring.Component):
 
     def _window_chain(self, m: Module) -> None:
         """From responses to candidates."""
-        centre_rows, corners, equations = self._centre_rows, self._corner_detection, self._equations
-        if not (self._by_gradients and self._wide):
-            m.submodules.centre_rows = centre_rows
-        m.submodules.corner_detection = corners
-        m.submodules["gradient_step" if self._by_gradients else "surface"] = equations
-        columns, texture = self._response_buffer.o, self._texture_filter
-        limits = self._thresholds.thresholds
-        # These move in step: they are ready whenever the candidate selection is, and equally long.
-        # Thresholds stay until the last window of their frame has left. They never come too late: they are ready
-        # soon after a frame's first response, and its first column needs eight rows of them.
-        m.d.comb += [
-            columns.ready.eq(equations.i.ready),
-            texture.i.valid.eq(columns.valid),
-            centre_rows.i.valid.eq(columns.valid),
-            centre_rows.o.ready.eq(equations.i.ready),
-            corners.i.valid.eq(columns.valid if self._wide else centre_rows.o.valid),
-            equations.i.valid.eq(columns.valid if self._by_gradients else centre_rows.o.valid),
-            corners.t1.valid.eq(1),
-            texture.thresholds.valid.eq(1),
-            limits.ready.eq(texture.thresholds.ready if self._adaptation is None else self._adaptation.last),
-            *self._window_payloads(),
-            corners.t1.payload.eq(limits.payload.t1),
-            texture.thresholds.payload.eq(limits.payload),
-        ]
-        if self._by_gradients:
-            self._wait_for_equations(m)
-        else:
-            wiring.connect(m, corners.o, self._candidates.corners)
-            wiring.connect(m, texture.o, self._candidates.textures)
-        wiring.connect(m, equations.o, self._candidates.surfaces)
+        for name, block in self._windows.other_blocks.items():
+            m.submodules[name.replace(" ", "_")] = block
+        last = None if self._adaptation is None else self._adaptation.last
+        self._windows.connect(m, self._response_buffer.o, self._thresholds.thresholds, self._candidates, last)
         if self._adaptation is not None:
             self._budget(m, self._adaptation)
 
@@ -278,12 +232,16 @@ class Detector(wiring.Component):
         """Counts what goes into the candidate selection, and limits what comes out of it."""
         m.submodules.adaptation = adaptation
         corners, limits = self._candidates.corners, self._thresholds.thresholds
+        texture = self._candidates.textures.payload.data
         step = corners.valid & corners.ready
+        if self._parameters.texture == "mean":
+            # of T, which is what counts; whether it is above T1 does not
+            response, counted = texture.response, texture.response.any()
+        else:
+            response, counted = corners.payload.data.response, ~texture.textured
         m.d.comb += [
-            adaptation.corner.eq(
-                step & corners.payload.data.peak & ~self._candidates.textures.payload.data.textured
-            ),
-            adaptation.strength.eq(corners.payload.data.response),
+            adaptation.corner.eq(step & corners.payload.data.peak & counted),
+            adaptation.strength.eq(response),
             adaptation.last.eq(step & corners.payload.eof),
             adaptation.target.eq(limits.payload.target_corners),
             adaptation.kept.eq(self.kept),
@@ -293,47 +251,6 @@ class Detector(wiring.Component):
             self.adapting.eq(adaptation.busy),
             self._candidates.max_corners.eq(limits.payload.max_corners),
             self.found.eq(self._constructor.found),
-        ]
-
-    def _window_payloads(self) -> list[Any]:
-        """Responses to texture filter and corner detection; their middle rows, or the pixels, to the equations.
-
-        Corner detection for more than the 3x3 neighbourhood takes all nine rows.
-        """
-        columns, centre_rows = self._response_buffer.o.payload, self._centre_rows
-        texture, corners, equations = self._texture_filter.i, self._corner_detection.i, self._equations.i
-        if not self._by_gradients:
-            return [
-                centre_rows.i.payload.eq(columns),
-                texture.payload.eq(columns),
-                corners.payload.eq(columns if self._wide else centre_rows.o.payload),
-                equations.payload.eq(centre_rows.o.payload),
-            ]
-        tags = Cat(columns.eol, columns.eof)
-        parts = [] if self._wide else [corners.payload.eq(centre_rows.o.payload)]
-        peaks = corners if self._wide else centre_rows.i
-        for sink, part in ((peaks, "response"), (texture, "response"), (equations, "pixel")):
-            parts += [
-                *(sink.payload.data[row].eq(columns.data[row][part]) for row in range(WINDOW_SIZE)),
-                Cat(sink.payload.eol, sink.payload.eof).eq(tags),
-            ]
-        return parts
-
-    def _wait_for_equations(self, m: Module) -> None:
-        """Corner detection and texture filter, which have the same beats, until the equations have theirs."""
-        late = self._late_beats
-        corners, texture, candidates = self._corner_detection.o, self._texture_filter.o, self._candidates
-        m.d.comb += [
-            late.i.valid.eq(corners.valid),
-            late.i.payload.corner.eq(corners.payload),
-            late.i.payload.texture.eq(texture.payload),
-            corners.ready.eq(late.i.ready),
-            texture.ready.eq(late.i.ready),
-            candidates.corners.valid.eq(late.o.valid),
-            candidates.textures.valid.eq(late.o.valid),
-            candidates.corners.payload.eq(late.o.payload.corner),
-            candidates.textures.payload.eq(late.o.payload.texture),
-            late.o.ready.eq(candidates.corners.ready),
         ]
 
     def _record_chain(self, m: Module) -> None:

@@ -31,8 +31,9 @@ class GradientStep(wiring.Component):
     """
 
     def __init__(self, parameters: Parameters) -> None:
-        # always with signs, whatever the responses are made of
-        self._gradients = Preprocessing(replace(parameters, gradient="signed"), PIXEL_SIZE)
+        # always plain differences with signs, whatever the responses are made of
+        plain = replace(parameters, gradient="signed", derivative="central")
+        self._gradients = Preprocessing(plain, PIXEL_SIZE)
         self._equations = NormalEquations(parameters)
         self.latency = self._gradients.latency + self._equations.latency
         super().__init__(

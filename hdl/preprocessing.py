@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Module, Signal, unsigned
+from amaranth.hdl import C, Module, Signal, Value, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -35,12 +35,16 @@ class Preprocessing(wiring.Component):
         clock 1   gx, gy
         clock 2   |gx|, |gy|, and ±(|gx| - |gy|) (absolute) or gx - gy (signed)
 
+    With ``derivative="sobel"`` gx and gy come two clocks later: three rows of each column are added up, and the
+    column two before is subtracted; differences of two rows are added up along the row, twice two neighbours; then
+    both are rounded.
+
     The size of the difference comes from an adder, not from a register: the next block should not compute with it.
 
     Parameters
     ----------
     parameters
-        Of the detector; ``pixel_bits`` and ``gradient`` matter.
+        Of the detector; ``pixel_bits``, ``gradient`` and ``derivative`` matter.
     rows
         Rows of pixels.
 
@@ -52,10 +56,9 @@ class Preprocessing(wiring.Component):
         Stream of ``Columns(sizes_layout(parameters), rows - 2)``.
     """
 
-    latency = 2
-
     def __init__(self, parameters: Parameters, rows: int = PIXEL_ROWS) -> None:
         self._signed = parameters.gradient == "signed"
+        self._sobel = parameters.derivative == "sobel"
         self._rows = rows
         pixel = unsigned(parameters.pixel_bits)
         super().__init__(
@@ -65,12 +68,16 @@ class Preprocessing(wiring.Component):
             }
         )
 
+    @property
+    def latency(self) -> int:
+        return 4 if self._sobel else 2
+
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, 3, step=step, eol=self.i.payload.eol)
-        for row, (gx, gy) in enumerate(self._gradients(pipe)):
+        for row, (gx, gy) in enumerate(self._smoothed(pipe) if self._sobel else self._gradients(pipe)):
             # | |gx| - |gy| | is |gx - gy| where the signs are equal, |gx + gy| where not
             subtract = C(1, 1) if self._signed else ~(gx[-1] ^ gy[-1])
             second = (gy.as_unsigned() ^ subtract.replicate(len(gy))).as_signed()
@@ -99,3 +106,34 @@ class Preprocessing(wiring.Component):
             gy = pipe.register(centre[row - 1] - centre[row + 1], f"gy_{row - 1}")
             gradients.append((gx, gy))
         return gradients
+
+    def _smoothed(self, pipe: Pipeline) -> list[tuple[Signal, Signal]]:
+        """gx and gy by row, smoothed across; two clocks later than without."""
+        newest = self.i.payload.data
+        beat = pipe.register(pipe.valid, "beat", reset=True)
+        gradients = []
+        for row in range(1, self._rows - 1):
+            ends = newest[row - 1] + newest[row + 1]
+            down = pipe.register(ends + (newest[row] << 1), f"down_{row}")
+            # the window's centre is one column behind the newest
+            centre = pipe.register(down, f"down_centre_{row}", when=beat)
+            left = pipe.register(centre, f"down_left_{row}", when=beat)
+            gx = pipe.register(left - down, f"gx_sum_{row - 1}")
+
+            slope = pipe.register(newest[row - 1] - newest[row + 1], f"slope_{row}")
+            slopes = slope + pipe.register(slope, f"slope_centre_{row}", when=beat)
+            gy = pipe.register(
+                slopes + pipe.register(slopes, f"slopes_centre_{row}", when=beat), f"gy_sum_{row - 1}"
+            )
+            gradients.append(
+                (
+                    pipe.register(_quarter(gx), f"gx_{row - 1}"),
+                    pipe.register(_quarter(gy), f"gy_{row - 1}"),
+                )
+            )
+        return gradients
+
+
+def _quarter(value: Signal) -> Value:
+    """A quarter, rounded to nearest, halves away from zero."""
+    return add_with_carry(value, C(1, 2).as_signed(), ~value[-1])[2 : len(value)].as_signed()

@@ -10,41 +10,42 @@ from amaranth.lib.wiring import In, Out
 
 from golden.parameters import WINDOW_SIZE, Parameters
 from hdl.corner_detection import corner_layout
+from hdl.response_filter import filtered_rows
 from hdl.stream import Beat, Columns, Pipeline, WindowCounter
-
-_MIDDLE = WINDOW_SIZE // 2
 
 
 class Suppression(wiring.Component):
     """E: is the middle of 9 columns' middle row the largest of the (2r+1)x(2r+1) around it, and above T1?
 
     Does what :class:`hdl.corner_detection.CornerDetection` does behind :class:`hdl.centre_rows.CentreRows`, for
-    r = ``suppression`` from 1 to 4, and in the same number of clocks for all of them.
+    r = ``suppression`` from 1 to 4, and in the same number of clocks for all of them. With ``response_filter`` it
+    takes the 2r+1 rows and columns of :class:`hdl.response_filter.ResponseFilter`, and as many clocks as it needs.
 
     Every column is reduced to two numbers: the largest of what its rows above and below the middle hold, and with the
     middle row's value, too. The latter are kept for r columns, and a centre is compared with the r that came before
     it, with the former of its own, and then with each of the r that follow, as they come: what waits is one bit.
 
-    Clocks: up to 3 a column's largest, 1 with its middle, 1 comparisons and what follows from them.
+    Clocks: up to 3 a column's largest (r of them for r = 1, 2, 3), 1 with its middle, 1 comparisons and what follows.
 
     Members
     -------
     i
-        Stream of ``Columns(unsigned(response_bits), 9)``.
+        Stream of ``Columns(unsigned(response_bits), 9)``, or ``filtered_rows(parameters)`` in place of 9.
     t1
         Stream of T1, one per frame, taken with the frame's last column.
     o
-        Stream of ``Beat(corner_layout(parameters))``, rows eight positions shorter.
+        Stream of ``Beat(corner_layout(parameters))``, rows so many positions less one shorter.
     """
-
-    latency = 5
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
+        filtered = parameters.response_filter == "binomial"
+        self._size = filtered_rows(parameters) if filtered else WINDOW_SIZE
+        self.latency = (2 * parameters.suppression - 1).bit_length() + 2 if filtered else 5
         response = unsigned(parameters.response_bits)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(response, WINDOW_SIZE))),
+                "i": In(stream.Signature(Columns(response, self._size))),
                 "t1": In(stream.Signature(response)),
                 "o": Out(stream.Signature(Beat(corner_layout(parameters)))),
             }
@@ -54,14 +55,15 @@ class Suppression(wiring.Component):
         m, r = Module(), self._parameters.suppression
         pipe = Pipeline(m, self.i, self.o, permit=self.t1.valid)
         step = pipe.valid & pipe.advance
-        window = WindowCounter(m, WINDOW_SIZE, step=step, eol=self.i.payload.eol)
+        window = WindowCounter(m, self._size, step=step, eol=self.i.payload.eol)
         m.d.comb += self.t1.ready.eq(step & self.i.payload.eof)
         rows, beat = self.i.payload.data, Value.cast(pipe.valid)
-        middle: Value = rows[_MIDDLE]
+        centre = self._size // 2
+        middle: Value = rows[centre]
         above = middle > self.t1.payload
 
-        ends = [self._ahead(rows[_MIDDLE - k]) for k in range(1, r + 1)]
-        ends += [self._behind(rows[_MIDDLE + k]) for k in range(1, r + 1)]
+        ends = [self._ahead(rows[centre - k]) for k in range(1, r + 1)]
+        ends += [self._behind(rows[centre + k]) for k in range(1, r + 1)]
         spent = 0
 
         def wait(*values: Value) -> list[Value]:
@@ -97,7 +99,7 @@ class Suppression(wiring.Component):
             peak = kept(peak & (self._ahead(middle) > after), f"peak_{k}")
             middle, above = kept(middle, f"middle_{k}"), kept(above, f"above_{k}")
         peak = peak & (self._ahead(middle) > after)
-        for k in range(r, _MIDDLE):
+        for k in range(r, centre):
             peak = kept(peak, f"peak_{k}")
             middle, above = kept(middle, f"middle_{k}"), kept(above, f"above_{k}")
         self._deliver(m, pipe, spent, window.complete, peak, above, middle)

@@ -14,6 +14,12 @@ from hdl.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.thresholds import thresholds_layout
 
 
+def texture_layout(parameters: Parameters) -> data.StructLayout:
+    """Is a window's centre textured; is it reported nevertheless or not; with ``texture="mean"``: its response."""
+    response = {"response": parameters.response_bits} if parameters.texture == "mean" else {}
+    return data.StructLayout({"textured": 1, "keep": 1, **response})
+
+
 @dataclass(frozen=True)
 class _Number:
     """A value and its bounds, so that no sum is wider than it must be."""
@@ -99,7 +105,7 @@ class TextureFilter(wiring.Component):
     thresholds
         Stream of ``thresholds_layout(parameters)``, one per frame, taken with the frame's last result.
     o
-        Stream of ``Beat({"textured": 1, "keep": 1})``; keep = not textured, or rejected corners are reported too.
+        Stream of ``Beat(texture_layout(parameters))``; keep = not textured, or rejected corners are reported too.
     """
 
     latency = 5
@@ -111,7 +117,7 @@ class TextureFilter(wiring.Component):
             {
                 "i": In(stream.Signature(Columns(unsigned(parameters.response_bits), WINDOW_SIZE))),
                 "thresholds": In(stream.Signature(thresholds_layout(parameters))),
-                "o": Out(stream.Signature(Beat(data.StructLayout({"textured": 1, "keep": 1})))),
+                "o": Out(stream.Signature(Beat(texture_layout(parameters)))),
             }
         )
 

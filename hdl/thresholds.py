@@ -8,7 +8,14 @@ from amaranth.hdl import Cat, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import BUDGET_BITS, SIGMA2_INTEGER_BITS, SIGMA_BITS, Parameters
+from golden.parameters import (
+    BUDGET_BITS,
+    MEAN_WEIGHT_BITS,
+    MEAN_WEIGHT_FRACTION_BITS,
+    SIGMA2_INTEGER_BITS,
+    SIGMA_BITS,
+    Parameters,
+)
 from hdl.adaptation import adapted_layout
 from hdl.stream import Beat
 
@@ -37,13 +44,12 @@ def settings_layout(parameters: Parameters) -> data.StructLayout:
 
 
 def thresholds_layout(parameters: Parameters) -> data.StructLayout:
-    """T1 in units of D, T2 in units of tau."""
+    """T1 in units of D, T2 in units of tau, or the weight of the local level of D."""
+    t2_bits = parameters.response_bits + SIGMA2_INTEGER_BITS + (parameters.pixels_per_region - 1).bit_length()
     return data.StructLayout(
         {
             "t1": parameters.response_bits,
-            "t2": parameters.response_bits
-            + SIGMA2_INTEGER_BITS
-            + (parameters.pixels_per_region - 1).bit_length(),
+            "t2": MEAN_WEIGHT_BITS if parameters.texture == "mean" else t2_bits,
             "report_rejected": 1,
             **budget_fields(parameters),
         }
@@ -52,6 +58,8 @@ def thresholds_layout(parameters: Parameters) -> data.StructLayout:
 
 class Thresholds(wiring.Component):
     """T1 = sigma1 · Dref and T2 = sigma2 · Dref, each rounded down, once per frame.
+
+    With ``texture="mean"`` T2 is sigma2 itself, as ``golden.Settings.mean_weight``.
 
     Watches the responses on their way from ``i`` to ``o`` for the largest. With a frame's first response it
     takes that frame's settings and multiplies, one bit of sigma per clock, long before the frame's first window.
@@ -147,6 +155,7 @@ class Thresholds(wiring.Component):
         count = Signal(range(SIGMA2_BITS))
         # classic multipliers: the product grows into the register from which sigma is shifted out
         product1, product2 = Signal(bits + SIGMA2_BITS), Signal(scaled_bits + SIGMA2_BITS)
+        weight = Signal(MEAN_WEIGHT_BITS)
         t1, t2 = self.thresholds.payload.t1, self.thresholds.payload.t2
         factor1, result1 = reference, product1[SIGMA_BITS:]
         delivered = [self.thresholds.valid.eq(1), busy.eq(0)]
@@ -155,6 +164,9 @@ class Thresholds(wiring.Component):
             m.d.sync += self.thresholds.valid.eq(0)
         if self._parameters.budget:
             factor1, result1, delivered = self._budget(m, referred, reference, result1, delivered)
+        products = [(product1, factor1), (product2, scaled)]
+        if self._parameters.texture == "mean":
+            products = products[:1]
         m.d.sync += [chosen.eq(start), referred.eq(chosen)]
         m.d.comb += self.settings.ready.eq(referred)
         with m.If(~busy):
@@ -169,12 +181,13 @@ class Thresholds(wiring.Component):
                 ),
                 product1.eq(settings.sigma1),
                 product2.eq(settings.sigma2),
+                *([weight.eq(_mean_weight(settings.sigma2))] if len(products) == 1 else []),
                 report_rejected.eq(settings.report_rejected),
                 count.eq(0),
                 multiplying.eq(1),
             ]
         with m.If(multiplying):
-            for product, factor in ((product1, factor1), (product2, scaled)):
+            for product, factor in products:
                 high = product[SIGMA2_BITS:] + Mux(product[0], factor, 0)
                 m.d.sync += product.eq(Cat(product[1:SIGMA2_BITS], high))
             m.d.sync += count.eq(count + 1)
@@ -182,7 +195,7 @@ class Thresholds(wiring.Component):
                 m.d.sync += [multiplying.eq(0), *delivered]
         m.d.comb += [
             t1.eq(result1),
-            t2.eq(product2[SIGMA_BITS:]),
+            t2.eq(weight if self._parameters.texture == "mean" else product2[SIGMA_BITS:]),
             self.thresholds.payload.report_rejected.eq(report_rejected),
         ]
 
@@ -207,3 +220,10 @@ class Thresholds(wiring.Component):
         with m.If(finished):
             m.d.sync += delivered
         return factor1, t1, [finished.eq(1)]
+
+
+def _mean_weight(sigma2: Value) -> Value:
+    """In eighths, all ones if it is larger."""
+    low = SIGMA_BITS - MEAN_WEIGHT_FRACTION_BITS
+    high = low + MEAN_WEIGHT_BITS
+    return sigma2[low:high] | sigma2[high:].any().replicate(MEAN_WEIGHT_BITS)

@@ -68,10 +68,21 @@ def detectors(**fixed: Any) -> st.SearchStrategy[Parameters]:
     """Parameters of every kind that hardware can have; ``fixed`` fields keep their value."""
     fields: dict[str, st.SearchStrategy[Any]] = {
         "gradient": st.sampled_from(("absolute", "signed")),
+        "derivative": st.sampled_from(("central", "sobel")),
+        "response_filter": st.sampled_from(("none", "binomial")),
         "ties": st.sampled_from(("strict", "first")),
-        "fit": st.sampled_from(("nine", "six")),
+        "fit": st.sampled_from(("nine", "six", "gradient")),
+        "texture": st.sampled_from(("patches", "mean")),
         "patches": st.sampled_from(("regions", "pixels")),
         "suppression": st.sampled_from((1, 1, 2, 3, 4)),
     }
     fields.update({field: st.just(value) for field, value in fixed.items()})
-    return st.builds(Parameters, **fields)
+    return st.fixed_dictionaries(fields).map(_possible).map(lambda chosen: Parameters(**chosen))
+
+
+def _possible(chosen: dict[str, Any]) -> dict[str, Any]:
+    """With the suppression that these can have."""
+    if chosen["response_filter"] == "binomial":
+        most = 3 if chosen["fit"] == "gradient" else 1
+        return chosen | {"suppression": min(chosen["suppression"], most)}
+    return chosen

@@ -132,7 +132,13 @@ def _about(p: Parameters) -> tuple[Register, ...]:
                     Field(name, 8 + k, 1, text, int(value))
                     for k, ((name, value), text) in enumerate(zip(flags.items(), texts, strict=True))
                 ),
-                Field("profile", 16, 4, "1 paper, 2 robust, 0 another mixture of the above.", _profile(p)),
+                Field(
+                    "profile",
+                    16,
+                    4,
+                    "1 paper, 2 robust, 0 another mixture of what makes records.",
+                    _profile(p),
+                ),
                 *_options(p),
             ),
         ),
@@ -152,6 +158,13 @@ def _about(p: Parameters) -> tuple[Register, ...]:
 def _options(p: Parameters) -> tuple[Field, ...]:
     """Bits that are only there with what they say, and read 0 elsewhere."""
     options = []
+    for bit, name, text, chosen in (
+        (20, "sobel", "Gradients are smoothed across.", p.derivative == "sobel"),
+        (21, "response_filter", "Responses are smoothed.", p.response_filter == "binomial"),
+        (22, "adaptive_threshold", "In place of the patches' filter.", p.texture == "mean"),
+    ):
+        if chosen:
+            options.append(Field(name, bit, 1, text, 1))
     if p.suppression > 1:
         options.append(Field("suppression", 28, 3, "Radius of suppression; 0 stands for 1.", p.suppression))
     if p.budget:
@@ -161,7 +174,8 @@ def _options(p: Parameters) -> tuple[Field, ...]:
 
 def _profile(p: Parameters) -> int:
     def records(of: Parameters) -> tuple[str | int, ...]:
-        return of.gradient, of.ties, of.fit, of.patches, of.suppression
+        kinds = (of.gradient, of.derivative, of.response_filter, of.ties, of.fit, of.texture, of.patches)
+        return *kinds, of.suppression
 
     numbers = {records(known): number for number, known in enumerate(PROFILES.values(), 1)}
     return numbers.get(records(p), 0)

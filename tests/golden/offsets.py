@@ -1,9 +1,9 @@
-"""Peaks of fitted surfaces in exact arithmetic, and how far from them the golden model's mantissas may lead.
+"""Offsets in exact arithmetic, of surfaces' peaks and of gradient steps, and how far the golden mantissas may lead.
 
 Mantissas are whole numbers: each stands for a value less than one above it, so that a Hessian H = [[xx, -xy],
 [-xy, yy]] of mantissas is off by E with norm 2 at most, and slopes by e with norm sqrt(2). With q the peak by H and p
 the exact one, H (q - p) = E p - e, and so |q - p| <= (sqrt(2) + 2 |p|) / l with l the smaller eigenvalue of H. Values
-of MANTISSA_BITS or less are not cut, and exact. The quotient is rounded to 1/128.
+of as many bits or less are not cut, and exact. The quotient is rounded to 1/128.
 """
 
 from __future__ import annotations
@@ -13,15 +13,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.parameters import Parameters
+from golden.derivatives import Derivatives
+from golden.parameters import OFFSET_BITS, Parameters
 from golden.preprocessing import IntArray
-from golden.subpixel import FITS, MANTISSA_BITS, derivative_bits, derivatives, mantissas
+from golden.subpixel import FITS, derivative_bits, derivatives, mantissa_bits, mantissas, offset_limit
 
 Float64 = NDArray[np.float64]
+Int64 = NDArray[np.int64]
 
 
 class Peaks(NamedTuple):
-    """Peaks of many surfaces: (0, 0) where there is none, else clamped to half a pixel along each axis."""
+    """Offsets of many candidates: (0, 0) where there is no maximum, else clamped to the limit along each axis."""
 
     dx: Float64
     dy: Float64
@@ -30,16 +32,27 @@ class Peaks(NamedTuple):
 
 def exact_peaks(patches: IntArray, parameters: Parameters) -> Peaks:
     """By exact sums and float64 quotients, of (n, 3, 3) responses."""
-    x, y, maximum = _peaks(*derivatives(FITS[parameters.fit](patches)))
-    return Peaks(np.clip(x, -0.5, 0.5), np.clip(y, -0.5, 0.5), maximum)
+    return exact_offsets(derivatives(FITS[parameters.fit](patches)), parameters)
+
+
+def exact_offsets(values: Derivatives[Int64], parameters: Parameters) -> Peaks:
+    """By float64 quotients."""
+    limit = offset_limit(parameters.fit) / (1 << OFFSET_BITS)
+    x, y, maximum = _peaks(*values)
+    return Peaks(np.clip(x, -limit, limit), np.clip(y, -limit, limit), maximum)
 
 
 def bounds(patches: IntArray, parameters: Parameters) -> Float64:
     """How far the golden model's offset may be from the exact one, along either axis; inf if no maximum is sure."""
-    values = derivatives(FITS[parameters.fit](patches))
+    return offset_bounds(derivatives(FITS[parameters.fit](patches)), parameters)
+
+
+def offset_bounds(values: Derivatives[Int64], parameters: Parameters) -> Float64:
+    """The same of the five values themselves."""
+    kept = mantissa_bits(parameters.fit)
     x, y, _ = _peaks(*values)
-    cut = np.maximum.reduce([np.where(v < 0, ~v, v) for v in values]) >= 1 << MANTISSA_BITS
-    mantissa = mantissas(values, derivative_bits(parameters))
+    cut = np.maximum.reduce([np.where(v < 0, ~v, v) for v in values]) >= 1 << kept
+    mantissa = mantissas(values, derivative_bits(parameters), kept)
     _, _, maximum = _peaks(*mantissa)
     xx, yy, xy, *_ = (value.astype(np.float64) for value in mantissa)
     smaller = (xx + yy - np.hypot(xx - yy, 2 * xy)) / 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,17 +14,17 @@ from numpy.typing import NDArray
 
 from golden import Corners, Parameters, Settings, StreamModel, detect
 from golden.convolution import smooth
-from golden.detector import RESPONSE_MARGIN, corner_map, response_map
+from golden.detector import RESPONSE_MARGIN, corner_map, peak_responses, response_map
+from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.output_constructor import Flag
 from golden.preprocessing import gradients, products
-from tests.golden.offsets import bounds
+from golden.subpixel import offset_limit
+from tests.golden.offsets import bounds, offset_bounds
 from tests.strategies import detectors, images
 
 Image = NDArray[np.unsignedinteger[Any]]
 EVERYTHING = Settings(sigma1=0.0, sigma2=0.2, floor=1, report_rejected=True)
 """Every maximum is reported, with the texture filter's verdict."""
-FIELDS = ("gradient", "ties", "fit", "patches", "suppression")
-"""Of ``Parameters``: those that records depend on."""
 CONSTANT = Settings(sigma1=0.01, reference="constant", constant=2000, floor=1, report_rejected=True)
 
 Turn = tuple[
@@ -63,14 +64,25 @@ def find(image: Image, parameters: Parameters) -> Found:
     corners = detect(image, parameters, EVERYTHING)
     responses = response_map(image, parameters)
     # the outermost rows and columns of the map have no whole window around them
-    y, x = (place + 3 for place in np.nonzero(corner_map(responses, 0, parameters)))
+    rows, columns = np.nonzero(corner_map(responses, 0, parameters))
+    y, x = rows + 3, columns + 3
     pixels = Corners(x + RESPONSE_MARGIN + 1.0, y + RESPONSE_MARGIN + 1.0, corners.response, corners.flags)
     assert len(pixels.x) == len(corners)
-    patches = sliding_window_view(responses, (3, 3))[y, x]
+    if parameters.fit == "gradient":
+        windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[y, x]
+        return Found(corners, pixels, offset_bounds(normal_equations(windows), parameters))
+    around = parameters.suppression - 1
+    patches = sliding_window_view(peak_responses(responses, parameters), (3, 3))[
+        rows + around, columns + around
+    ]
     return Found(corners, pixels, bounds(patches, parameters))
 
 
-@given(images(), detectors(ties="strict", fit="nine"), st.sampled_from(sorted(TURNS)))
+even_handed = detectors(ties="strict", fit="nine") | detectors(ties="strict", fit="gradient")
+"""Neither ties nor the six samples prefer a direction."""
+
+
+@given(images(), even_handed, st.sampled_from(sorted(TURNS)))
 def test_turning_the_image_turns_the_corners(image: Image, parameters: Parameters, turn: str) -> None:
     """Each corner's pixel, response and verdict exactly, its offset as far as mantissas go."""
     turn_image, turn_corners = TURNS[turn]
@@ -88,7 +100,7 @@ def test_turning_the_image_turns_the_corners(image: Image, parameters: Parameter
     assert (np.abs(other.corners.y[by_place] - y[by_turned_place]) <= apart).all()
 
 
-@given(images(), detectors(ties="strict", fit="nine"))
+@given(images(), even_handed)
 def test_exchanging_x_and_y_exchanges_them_in_the_records(image: Image, parameters: Parameters) -> None:
     corners = detect(image, parameters, EVERYTHING)
     turned = detect(image.T, parameters, EVERYTHING)
@@ -135,8 +147,11 @@ def test_cropping_changes_nothing_further_than_seven_pixels_away(
     whole_rows = rows(whole)
     assert set(crop_rows) <= set(whole_rows)
     # a corner strictly inside this rectangle is centred 7 pixels or more from every new edge
+    reach = 6 + offset_limit(parameters.fit) / 128
     expected = [
-        row for row in whole_rows if top + 6.5 < row[0] < bottom - 7.5 and left + 6.5 < row[1] < right - 7.5
+        row
+        for row in whole_rows
+        if top + reach < row[0] < bottom - 1 - reach and left + reach < row[1] < right - 1 - reach
     ]
     assert set(expected) <= set(crop_rows)
     assert len(set(crop_rows)) == len(crop)
@@ -144,7 +159,9 @@ def test_cropping_changes_nothing_further_than_seven_pixels_away(
 
 @given(images(), detectors())
 def test_response_is_between_zero_and_the_trace(image: Image, parameters: Parameters) -> None:
-    a, b, _ = (smooth(product) for product in products(*gradients(image), parameters.gradient))
+    a, b, _ = (
+        smooth(product) for product in products(*gradients(image, parameters.derivative), parameters.gradient)
+    )
     responses = response_map(image, parameters)
     assert (responses >= 0).all() and (responses <= a + b).all()
     assert responses.shape == tuple(side - 2 * RESPONSE_MARGIN for side in image.shape)
@@ -154,8 +171,7 @@ def test_response_is_between_zero_and_the_trace(image: Image, parameters: Parame
 def test_how_the_hardware_is_built_never_changes_a_record(
     image: Image, parameters: Parameters, buffering: Any, bits_per_stage: int
 ) -> None:
-    fields = {name: getattr(parameters, name) for name in FIELDS}
-    other = Parameters(**fields, buffering=buffering, sqrt_bits_per_stage=bits_per_stage, max_width=64)
+    other = replace(parameters, buffering=buffering, sqrt_bits_per_stage=bits_per_stage, max_width=64)
     one, two = StreamModel(parameters), StreamModel(other)
     for _ in range(2):
         assert (one.process(image, EVERYTHING).records == two.process(image, EVERYTHING).records).all()
@@ -173,14 +189,12 @@ def test_sigmas_only_take_away(image: Image, parameters: Parameters, sigma1: flo
 
 @given(images(), detectors(ties="strict"))
 def test_first_keeps_every_strict_corner(image: Image, parameters: Parameters) -> None:
-    fields = {name: getattr(parameters, name) for name in FIELDS if name != "ties"}
     strict = rows(detect(image, parameters, EVERYTHING))
-    first = rows(detect(image, Parameters(**fields, ties="first"), EVERYTHING))
+    first = rows(detect(image, replace(parameters, ties="first"), EVERYTHING))
     assert set(strict) <= set(first)
 
 
 @given(images(pixel_bits=8), detectors())
 def test_wider_pixels_of_the_same_values_give_the_same_corners(image: Image, parameters: Parameters) -> None:
-    fields = {name: getattr(parameters, name) for name in FIELDS}
-    ten = detect(image.astype(np.uint16), Parameters(**fields, pixel_bits=10), EVERYTHING)
+    ten = detect(image.astype(np.uint16), replace(parameters, pixel_bits=10), EVERYTHING)
     assert rows(ten) == rows(detect(image, parameters, EVERYTHING))

@@ -1,18 +1,13 @@
 # amaranth: UnusedElaboratable=no
-"""Delay line: every beat comes out with its own value, however long the line and whoever waits."""
+"""Delay line, in beats held back: each comes out with its own value, however long the line and whoever waits."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
-from amaranth.hdl import Module
-from amaranth.lib import stream, wiring
-from amaranth.lib.wiring import In, Out
 
 from hdl.delay_line import DelayLine
-from hdl.stream import Pipeline
+from hdl.late_beats import LateBeats
 from sim.engine import EngineName
 from sim.stimulus import Stalls
 from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, run
@@ -21,30 +16,10 @@ BITS = 21
 """More than one memory is wide."""
 
 
-class Delayed(wiring.Component):
-    """The line inside a pipeline of the same length."""
-
-    def __init__(self, clocks: int) -> None:
-        self.line = DelayLine(BITS, clocks)
-        super().__init__({"i": In(stream.Signature(BITS)), "o": Out(stream.Signature(BITS))})
-
-    def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        pipe = Pipeline(m, self.i, self.o)
-        m.submodules.line = self.line
-        m.d.comb += [
-            self.line.enable.eq(pipe.advance),
-            self.line.i.eq(self.i.payload),
-            self.o.payload.eq(self.line.o),
-            self.o.valid.eq(pipe.delay(pipe.valid, self.line.latency, "valid", reset=True)),
-        ]
-        return m
-
-
 def check(clocks: int, name: EngineName, stalls: Stalls = NO_STALLS) -> None:
     count = 3000 if name == "compiled" else 150
     beats = np.random.default_rng(clocks).integers(0, 1 << BITS, count, np.uint64)
-    capture = run(engine(name, Delayed, clocks), {"i": beats}, {"o": beats}, stalls)
+    capture = run(engine(name, LateBeats, BITS, clocks), {"i": beats}, {"o": beats}, stalls)
     if stalls == NO_STALLS:
         assert_timing(capture, clocks)
 

@@ -18,7 +18,7 @@ from hdl.gradient_step import GradientStep
 from hdl.normal_equations import NormalEquations
 from hdl.stream import Columns
 from sim.engine import EngineName
-from sim.stimulus import Stalls
+from sim.stimulus import Stalls, Stimulus
 from tests.hdl.blocks import (
     NO_STALLS,
     RUN_IDS,
@@ -33,6 +33,7 @@ from tests.hdl.blocks import (
     noise,
     pack,
     run,
+    same,
 )
 from tests.photographs import photograph
 
@@ -74,6 +75,18 @@ def test_extremes(pixel_bits: int) -> None:
     frames += noise([(60, 70)], top, 1, dtype=np.uint16)
     given, expected = streams(frames, parameters)
     run(engine("compiled", GradientStep, parameters), given, expected)
+
+
+def test_reset_in_mid_window_leaves_nothing_of_what_was_before() -> None:
+    """The block's only memory of earlier columns that outlives a frame."""
+    frames = noise([(20, 21), (14, 15)], 255, 5, dtype=np.uint8)
+    before, _ = streams(frames[:1], STEP)
+    after, expected = streams(frames[1:], STEP)
+    for cut in (1, 30, 100):
+        pixels = np.concatenate([before["i"][:cut], after["i"]])
+        stimulus = Stimulus({"i": pixels}, [], NO_STALLS, reset_after=cut)
+        words = engine("compiled", GradientStep, STEP).run(stimulus, quiet=200).outputs["o"]
+        same("o", words[len(words) - len(expected["o"]) :], expected["o"])
 
 
 def test_photograph() -> None:

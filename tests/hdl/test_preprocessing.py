@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Preprocessing: sizes of gradients against the golden model, both kinds of gradients, every pixel width."""
+"""Preprocessing: sizes of gradients against the golden model, every kind of gradients, every pixel width."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.lib.stride_tricks import sliding_window_view
 
-from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Gradient, Parameters
+from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Derivative, Gradient, Parameters
 from golden.preprocessing import gradients, products
 from hdl.preprocessing import Preprocessing
 from sim.engine import EngineName
@@ -33,12 +33,13 @@ from tests.hdl.blocks import (
 )
 
 GRADIENTS: list[Gradient] = ["absolute", "signed"]
+DERIVATIVES: list[Derivative] = ["central", "sobel"]
 SIZES = [(7, 3), (16, 17), (7, 30), (24, 4), (8, 3)]
 
 
-def sizes(frame: Array, gradient: Gradient) -> Array:
+def sizes(frame: Array, gradient: Gradient, derivative: Derivative = "central") -> Array:
     """|gx|, |gy| and the size of their difference of every pixel, which makes the golden products."""
-    gx, gy = (values.astype(np.int64) for values in gradients(frame))
+    gx, gy = (values.astype(np.int64) for values in gradients(frame, derivative))
     difference = np.abs(gx - gy if gradient == "signed" else np.abs(gx) - np.abs(gy))
     a, b, c = products(gx, gy, gradient)
     assert (gx**2 == a).all() and (gy**2 == b).all() and (a + b - difference**2 == 2 * c).all()
@@ -54,34 +55,48 @@ def fields(tagged: dict[str, Any]) -> dict[str, Any]:
 
 def streams(frames: list[Array], parameters: Parameters) -> tuple[dict[str, Words], dict[str, Words]]:
     block = Preprocessing(parameters)
-    windows = [sliding_window_view(sizes(frame, parameters.gradient), 5, axis=0) for frame in frames]
+    kinds = parameters.gradient, parameters.derivative
+    windows = [sliding_window_view(sizes(frame, *kinds), 5, axis=0) for frame in frames]
     given = pack(block.i.payload.shape(), columns(frames, 7))
     return {"i": given}, {"o": pack(block.o.payload.shape(), fields(raster(windows)))}
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+@pytest.mark.parametrize("derivative", DERIVATIVES)
 @pytest.mark.parametrize("gradient", GRADIENTS)
-def test_sizes(gradient: Gradient, name: EngineName, stalls: Stalls) -> None:
-    parameters = Parameters(gradient=gradient)
+def test_sizes(gradient: Gradient, derivative: Derivative, name: EngineName, stalls: Stalls) -> None:
+    parameters = Parameters(gradient=gradient, derivative=derivative)
     shapes = SIZES if name == "compiled" else [*SIZES[:1], (9, 9)]
     given, expected = streams(noise(shapes, 255, dtype=np.uint8), parameters)
     capture = run(engine(name, Preprocessing, parameters), given, expected, stalls)
     if stalls == NO_STALLS:
         beats = completing([(height - 6, width) for height, width in shapes], 3)
-        assert_timing(capture, Preprocessing.latency, beats)
+        assert_timing(capture, Preprocessing(parameters).latency, beats)
 
 
+@pytest.mark.parametrize(
+    ("derivative", "pixel_bits"),
+    [
+        *(("central", bits) for bits in range(MIN_PIXEL_BITS, MAX_PIXEL_BITS + 1)),
+        *(("sobel", bits) for bits in (MIN_PIXEL_BITS, 7, MAX_PIXEL_BITS)),
+    ],
+)
 @pytest.mark.parametrize("gradient", GRADIENTS)
-@pytest.mark.parametrize("pixel_bits", range(MIN_PIXEL_BITS, MAX_PIXEL_BITS + 1))
-def test_extremes(gradient: Gradient, pixel_bits: int) -> None:
-    """Of all pixel widths; every size reaches the end of its format."""
-    parameters = Parameters(gradient=gradient, pixel_bits=pixel_bits)
+def test_extremes(gradient: Gradient, derivative: Derivative, pixel_bits: int) -> None:
+    """Of all pixel widths; every size reaches the end of its format, but that of a difference with Sobel."""
+    parameters = Parameters(gradient=gradient, derivative=derivative, pixel_bits=pixel_bits)
     frames = extremes((12, 14), parameters.pixel_max, dtype=np.uint16)
     frames += noise([(90, 120)], parameters.pixel_max, 1, dtype=np.uint16)
     given, expected = streams(frames, parameters)
     run(engine("compiled", Preprocessing, parameters), given, expected)
-    values = np.concatenate([sizes(frame, gradient).reshape(-1, 3) for frame in frames]).max(axis=0)
+    values = np.concatenate([sizes(frame, gradient, derivative).reshape(-1, 3) for frame in frames]).max(
+        axis=0
+    )
     largest = parameters.pixel_max
+    if derivative == "sobel":
+        # of the eight pixels around, gx - gy has two corners twice, which make half of the largest, and four sides
+        assert values[:2].tolist() == [largest, largest] and values[2] <= largest * 3 // 2 + 1
+        return
     assert values.tolist() == [largest, largest, largest * (2 if gradient == "signed" else 1)]
 
 
@@ -105,6 +120,20 @@ def test_by_hand(gradient: Gradient, first: int, name: EngineName) -> None:
     run(engine(name, Preprocessing, parameters), {"i": given}, {"o": expected})
 
 
+@pytest.mark.parametrize("name", ENGINES)
+def test_sobel_rounds_halves_away_from_zero(name: EngineName) -> None:
+    """One pixel of 0 to 8 at the upper left, and the same upside down: quarters and halves of either sign."""
+    frames = []
+    for value in range(9):
+        frame = np.zeros((8, 4), np.uint8)
+        frame[1, 0] = frame[6, 3] = value
+        frames.append(frame)
+    parameters = Parameters(gradient="signed", derivative="sobel")
+    given, expected = streams(frames, parameters)
+    run(engine(name, Preprocessing, parameters), given, expected)
+
+
 def test_latency() -> None:
-    """Gradients, sizes."""
-    assert Preprocessing.latency == 2
+    """Gradients, sizes; with Sobel sums, differences and rounding."""
+    assert Preprocessing(Parameters()).latency == 2
+    assert Preprocessing(Parameters(derivative="sobel")).latency == 4

@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Subpixel refinement: every kind of surface, both fits, every pixel width, as fast as it says."""
+"""Subpixel refinement: every kind of surface, every fit, every pixel width, as fast as it says."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from itertools import product
 import numpy as np
 import pytest
 
+from golden.derivatives import Derivatives
+from golden.normal_equations import normal_equations
 from golden.parameters import Fit, Parameters
 from golden.subpixel import FITS as GOLDEN_FITS
-from golden.subpixel import Derivatives, Int64, derivative_bits, derivatives, peak
+from golden.subpixel import Int64, derivative_bits, derivatives, mantissa_bits, offset_limit, peak
 from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.subpixel import Subpixel, offset_layout
 from sim.engine import EngineName
@@ -29,9 +31,10 @@ from tests.hdl.blocks import (
     unpack,
 )
 
-FITS: list[Fit] = ["nine", "six"]
+SURFACES: list[Fit] = ["nine", "six"]
 Y, X = np.mgrid[-1:2, -1:2]
-every_fit = pytest.mark.parametrize("fit", FITS)
+every_fit = pytest.mark.parametrize("fit", SURFACES)
+with_step = pytest.mark.parametrize("fit", [*SURFACES, "gradient"])
 every_width = pytest.mark.parametrize("pixel_bits", [4, 8, 10])
 
 
@@ -57,7 +60,7 @@ def check_derivatives(
     """``values`` as the golden model has them."""
     parameters = Parameters(fit=fit, pixel_bits=pixel_bits)
     block = Subpixel(parameters)
-    offset = peak(values, derivative_bits(parameters))
+    offset = peak(values, derivative_bits(parameters), limit=offset_limit(fit), kept=mantissa_bits(fit))
     fields = {
         "dx": offset.dx,
         "dy": offset.dy,
@@ -71,7 +74,7 @@ def check_derivatives(
     capture = run(
         engine(name, Subpixel, parameters),
         {"i": pack(derivatives_layout(parameters), given)},
-        {"o": pack(offset_layout(), fields)},
+        {"o": pack(offset_layout(fit), fields)},
         stalls,
         clocks=block.interval,
     )
@@ -168,7 +171,7 @@ def test_extremes(fit: Fit, pixel_bits: int) -> None:
     check(fit, np.concatenate([corners, named(full)]), pixel_bits=pixel_bits)
 
 
-@every_fit
+@with_step
 @every_width
 def test_any_derivatives(fit: Fit, pixel_bits: int) -> None:
     """Also such as no patch has: each of the five at its ends, around 0, and of every length, by itself."""
@@ -183,9 +186,8 @@ def test_any_derivatives(fit: Fit, pixel_bits: int) -> None:
         # curvatures and slopes whose products nearly cancel
         near = (top >> 3) - rng.integers(0, 1 << rng.integers(1, field.width - 4, 20_000))
         values.append(np.concatenate([ends, anything, lengths, near]) << form.zeros)
-    seen = unpack(
-        offset_layout(), check_derivatives(fit, Derivatives(*values), pixel_bits=pixel_bits).outputs["o"]
-    )
+    capture = check_derivatives(fit, Derivatives(*values), pixel_bits=pixel_bits)
+    seen = unpack(offset_layout(fit), capture.outputs["o"])
     assert (
         seen["clamped"].any()
         and seen["not_maximum"].any()
@@ -225,6 +227,36 @@ def test_lone_candidates(fit: Fit) -> None:
     assert np.quantile(np.diff(capture.input_clocks["i"]), 0.5) > block.latency
 
 
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+def test_gradient_steps(name: EngineName, stalls: Stalls) -> None:
+    """Of windows with every kind of corner, at every contrast."""
+    rng = np.random.default_rng(4)
+    count = 4000 if name == "compiled" else 60
+    contrast = rng.integers(1, 255, (count, 1, 1), endpoint=True)
+    v, u = np.mgrid[-4:5, -4:5]
+    angles = rng.uniform(0, 2 * np.pi, (2, count, 1, 1))
+    u, v = u - rng.uniform(-9, 9, (count, 1, 1)), v - rng.uniform(-9, 9, (count, 1, 1))
+    sides = [np.cos(angle) * u + np.sin(angle) * v > 0 for angle in angles]
+    pixels = np.where(sides[0] & sides[1], contrast, 0)
+    pixels[::2] = np.where(sides[0] ^ sides[1], contrast, 0)[::2]
+    pixels += rng.integers(0, 1 + (255 - contrast) // 8, pixels.shape)
+    # without any gradient, and with parallel ones
+    pixels[7], pixels[8] = 7, 3 * np.arange(9)
+    capture = check_derivatives("gradient", normal_equations(pixels.astype(np.uint8)), name, stalls)
+    seen = unpack(offset_layout("gradient"), capture.outputs["o"])
+    inside = ~(seen["clamped"] | seen["not_maximum"]).astype(bool)
+    assert inside.any()
+    if name == "compiled":
+        assert seen["clamped"].any() and seen["not_maximum"].any()
+        assert len(np.unique(seen["dx"][inside])) > 400
+
+
+def test_latency_of_the_gradient_step() -> None:
+    """24 bits, of which 12 go on."""
+    block = Subpixel(Parameters(fit="gradient"))
+    assert block.interval == 15 and block.latency == 46
+
+
 @every_fit
 @every_width
 def test_latency(fit: Fit, pixel_bits: int) -> None:
@@ -236,5 +268,5 @@ def test_latency(fit: Fit, pixel_bits: int) -> None:
 
 
 def test_the_printed_fit_is_refused() -> None:
-    with pytest.raises(ValueError, match="fit is 'printed'; allowed in hardware: nine, six"):
+    with pytest.raises(ValueError, match="fit is 'printed'; allowed in hardware: nine, six, gradient"):
         Subpixel(Parameters(fit="printed"))

@@ -38,6 +38,7 @@ from tests.hdl.blocks import (
 
 PARAMETERS = Parameters()
 PIXELS = Parameters(patches="pixels", pixel_bits=10)
+MEAN = Parameters(texture="mean", gradient="signed")
 BUDGET = Parameters(budget=True)
 FULL = PARAMETERS.response_max
 
@@ -255,3 +256,19 @@ def test_the_next_frame_waits_until_the_thresholds_are_taken() -> None:
     assert [beat for _, beat in passed] == beats
     assert [clock for clock, _ in passed[36:]] == list(range(waits_until + 2, waits_until + 38))
     assert taken == limits(frames, PARAMETERS)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_weight_of_the_local_level(name: EngineName) -> None:
+    """With an adaptive threshold T2 is sigma2 in eighths, at most 15 of them, whatever the responses."""
+    sigmas = (0, 0.1249, 0.125, 0.5, 1.874, 1.875, 1.999, 2, 3.5, 4, 8, 15.99)
+    frames = noise([(1, 30)] * len(sigmas), MEAN.response_max, 3)
+    given = [(frame, Settings(sigma1=0.1, sigma2=s)) for frame, s in zip(frames, sigmas, strict=True)]
+    assert [limit.t2 for limit in limits(given, MEAN)] == [0, 0, 1, 4, 14, 15, 15, 15, 15, 15, 15, 15]
+    check(given, MEAN, name)
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+def test_frames_with_an_adaptive_threshold(name: EngineName, stalls: Stalls) -> None:
+    sizes = [(9, 9), (12, 20), (1, 5), (1, 1), (9, 30)]
+    check(some_frames(sizes, MEAN.response_max), MEAN, name, stalls)

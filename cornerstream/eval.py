@@ -1,0 +1,170 @@
+"""``cornerstream eval``: how good the corners are."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+from pathlib import Path
+
+import click
+
+from cornerstream import console
+from cornerstream.errors import BadInput, one_line
+from cornerstream.eval_tables import tables
+from cornerstream.files import prepare_folder, read_figures, write_all
+from cornerstream.options import output_option
+from cornerstream.own_data import load_boards, load_images, load_pairs, load_video
+from cornerstream.tools import running_tools
+from evaluation.packages import MissingPackageError
+from evaluation.pictures import pictures
+from evaluation.plots import plots
+from evaluation.study import SECTIONS, Own, Record, Section, study
+from evaluation.study_page import FIGURES_NAME, PAGE_NAME, PICTURES, page
+from golden import PROFILES, Parameters
+
+_PATH = click.Path(path_type=Path)
+
+
+@click.command("eval", short_help="Accuracy, repeatability, robustness.")
+@click.option(
+    "--quick", is_flag=True, help="A tenth of it, to see that all works; figures are not to be quoted."
+)
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print everything as one JSON object instead of tables."
+)
+@click.option(
+    "--only",
+    multiple=True,
+    type=click.Choice(SECTIONS),
+    help="Measure this only; may be given again.  [default: everything]",
+)
+@click.option(
+    "--profile",
+    "profiles",
+    multiple=True,
+    type=click.Choice(list(PROFILES)),
+    help="Measure this profile only; may be given again.  [default: all]",
+)
+@click.option(
+    "--images", type=_PATH, metavar="DIR", help="Photographs to render views of, instead of packaged ones."
+)
+@click.option(
+    "--pairs", type=_PATH, metavar="DIR", help="Images and homographies H_1_2.txt: x2 ~ H x1, as HPatches."
+)
+@click.option(
+    "--video",
+    "videos",
+    type=_PATH,
+    multiple=True,
+    metavar="FILE",
+    help="Instead of packaged ones: a video or a folder of frames; may be given again.",
+)
+@click.option(
+    "--boards", type=_PATH, metavar="DIR", help="Photographs of chessboards, besides the rendered ones."
+)
+@click.option(
+    "--board-size", metavar="COLUMNSxROWS", help="Their inner corners.  [default: common sizes are tried]"
+)
+@output_option(None, f"Folder for {PAGE_NAME}, {FIGURES_NAME} and pictures.  [default: no files]")
+@click.option(
+    "--page", "page_only", is_flag=True, help=f"Measure nothing: write the page from {FIGURES_NAME}."
+)
+def evaluate(
+    quick: bool,
+    as_json: bool,
+    only: tuple[Section, ...],
+    profiles: tuple[str, ...],
+    images: Path | None,
+    pairs: Path | None,
+    videos: tuple[Path, ...],
+    boards: Path | None,
+    board_size: str | None,
+    output: Path | None,
+    page_only: bool,
+) -> None:
+    """Measure how good the corners are, and print it beside the paper's and OpenCV's.
+
+    Accuracy on rendered corners and chessboards, the paper's Table 5, repeatability on views of photographs, and the
+    paper's robustness on videos, for every profile, with 95 % intervals. Takes some minutes, and OpenCV, scikit-learn
+    and scikit-video (pip install 'cornerstream[eval]').
+
+    \b
+    Examples:
+      cornerstream eval
+      cornerstream eval --quick --json | jq .accuracy.robust.L.median
+      cornerstream eval --only repeatability --images photos/
+      cornerstream eval --only robustness --video walk.mp4
+      cornerstream eval --only chessboards --boards boards/ --board-size 9x6
+      cornerstream eval --output build/evaluation
+    """
+    if page_only:
+        folder = output or Path("docs")
+        files = _page(read_figures(folder / FIGURES_NAME), folder)
+        write_all(files)
+        console.files_written(list(files))
+        return
+    if output:
+        prepare_folder(output)
+    chosen = {name: PROFILES[name] for name in profiles or PROFILES}
+    try:
+        own = Own(
+            images=load_images(images) if images else [],
+            pairs=load_pairs(pairs) if pairs else [],
+            videos=[pair for video in videos for pair in load_video(video)],
+            boards=load_boards(boards, _size(board_size)) if boards else [],
+        )
+        with running_tools():
+            result = study(
+                profiles=chosen,
+                sections=only or SECTIONS,
+                quick=quick,
+                own=own,
+                progress=console.progress,
+            )
+    except MissingPackageError as error:
+        raise BadInput(one_line(error)) from error
+    if output:
+        _write(result, output, chosen)
+    if as_json:
+        click.echo(json.dumps(result))
+        return
+    for table in tables(result):
+        console.show(table)
+
+
+def _page(result: Record, folder: Path) -> dict[Path, bytes]:
+    files = {folder / PAGE_NAME: page(result).encode()}
+    drawn = plots(result)
+    if drawn:
+        prepare_folder(folder / PICTURES)
+    return files | {folder / PICTURES / name: content for name, content in drawn.items()}
+
+
+def _write(result: Record, folder: Path, chosen: dict[str, Parameters]) -> None:
+    if importlib.util.find_spec("matplotlib") is None:
+        raise MissingPackageError("matplotlib is not installed: pip install 'cornerstream[eval]'")
+    files = {folder / FIGURES_NAME: figures_text(result).encode()} | _page(result, folder)
+    if {"accuracy", "table5", "chessboards", "repeatability"} <= set(result):
+        with console.activity("drawing pictures"):
+            drawn = pictures(chosen)
+        files |= {folder / PICTURES / name: content for name, content in drawn.items()}
+    write_all(files)
+    console.files_written(list(files))
+
+
+def figures_text(result: Record) -> str:
+    """The figures as JSON in lines of a useful length: a list of numbers stays on one."""
+    text = json.dumps(result, indent=1)
+    return re.sub(r"\[[^\[\]{}\"]*\]", lambda found: re.sub(r"\s+", " ", found[0]), text) + "\n"
+
+
+def _size(text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
+    found = re.fullmatch(r"(\d+)x(\d+)", text)
+    if not found or min(int(found[1]), int(found[2])) < 3:
+        raise BadInput(
+            f"board size is {text!r}; allowed: inner corners along both sides, 3x3 or more, as in 9x6"
+        )
+    return int(found[1]), int(found[2])

@@ -1,0 +1,114 @@
+"""What the user gives ``cornerstream eval`` to measure on: folders of photographs, pairs and boards, and videos."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from cornerstream.errors import BadInput, one_line, reason
+from cornerstream.images import load
+from evaluation.boards import Board
+from evaluation.packages import opencv
+from evaluation.sources import (
+    FRAMES_APART,
+    PAIRS_PER_VIDEO,
+    Image,
+    NamedImage,
+    Pair,
+    SourceError,
+    frame_pairs,
+    read_homography,
+    shrink,
+    video_pairs,
+)
+from golden import Parameters
+from golden.parameters import MAX_SIDE
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp")
+LONGEST_PHOTOGRAPH = 1280
+"""Photographs of scenes and boards are shrunk to this: from there on they are no sharper, only larger."""
+_HOMOGRAPHY = re.compile(r"H_?(\d+)(?:_to_|_|to)(\d+)p?(?:_\w+)?(?:\.txt)?")
+_ANY_SIZE = Parameters(max_width=MAX_SIDE, max_height=MAX_SIDE)
+_BUILT = Parameters()
+
+
+def _files(folder: Path, what: str) -> list[Path]:
+    """Image files of a folder and its subfolders, in order."""
+    try:
+        if not folder.is_dir():
+            raise BadInput(f"{folder} is no folder; allowed: a folder with {what}")
+        found = sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES)
+    except OSError as error:
+        raise BadInput(f"{folder} cannot be read: {reason(error)}; allowed: a folder with {what}") from error
+    if not found:
+        raise BadInput(f"{folder} has no images; allowed: a folder with {what} ({', '.join(SUFFIXES)})")
+    return found
+
+
+def load_images(folder: Path) -> list[NamedImage]:
+    """Photographs of a folder, grouped by the folder they are in."""
+    images = []
+    for path in _files(folder, "photographs"):
+        pixels = shrink(load(path, _ANY_SIZE).pixels, LONGEST_PHOTOGRAPH)
+        images.append(NamedImage(str(path.relative_to(folder)), pixels, path.parent.name))
+    return images
+
+
+def load_boards(folder: Path, size: tuple[int, int] | None) -> list[Board]:
+    """Photographs of chessboards."""
+    return [
+        Board(
+            str(path.relative_to(folder)), shrink(load(path, _ANY_SIZE).pixels, LONGEST_PHOTOGRAPH), size=size
+        )
+        for path in _files(folder, "photographs of chessboards")
+    ]
+
+
+def load_pairs(folder: Path) -> list[Pair]:
+    """Pairs with homographies, of the folder itself and of its subfolders, each a scene.
+
+    Image files end in a number, ``1.png`` or ``img1.ppm``; ``H_1_3.txt``, ``H_1_3`` or ``H1to3p`` takes points of
+    image 1 to image 3.
+    """
+    _files(folder, "images and homographies H_1_2.txt ...")
+    pairs = []
+    for path in sorted(folder.rglob("H*")):
+        names = _HOMOGRAPHY.fullmatch(path.name)
+        if names and path.is_file():
+            first, second = (_numbered(path.parent, int(number)) for number in names.groups())
+            try:
+                homography = read_homography(path)
+            except SourceError as error:
+                raise BadInput(one_line(error)) from error
+            scene = path.parent.name
+            pairs.append(Pair(f"{names[1]} to {names[2]}", scene, scene, first, second, homography))
+    if not pairs:
+        raise BadInput(
+            f"{folder} has no homographies; allowed: 3x3 numbers in files named H_1_2.txt or H1to2p"
+        )
+    return pairs
+
+
+def _numbered(folder: Path, number: int) -> Image:
+    for path in sorted(folder.iterdir()):
+        digits = re.search(r"(\d+)$", path.stem)
+        if path.suffix.lower() in SUFFIXES and digits and int(digits[1]) == number:
+            return load(path, _BUILT).pixels
+    raise BadInput(
+        f"{folder} has no image {number}, which a homography there names; allowed: {number}.png etc."
+    )
+
+
+def load_video(path: Path) -> list[Pair]:
+    """Pairs of frames of a video file, or of a folder of frames in order of their names."""
+    if path.is_dir():
+        frames = [shrink(load(each, _ANY_SIZE).pixels) for each in _files(path, "frames of a video")]
+        if len(frames) <= FRAMES_APART or len({frame.shape for frame in frames}) > 1:
+            raise BadInput(f"{path} is no video; allowed: {FRAMES_APART + 1} or more frames of one size")
+        return frame_pairs(frames, path.name, path.name, pairs=PAIRS_PER_VIDEO, apart=FRAMES_APART)
+    # OpenCV writes its own complaints on stderr
+    opencv().utils.logging.setLogLevel(0)
+    try:
+        return video_pairs(path, path.stem)
+    except SourceError as error:
+        raise BadInput(one_line(error)) from error

@@ -1,0 +1,77 @@
+"""Response filter: the middle three rows of D smoothed by [1 2 1]ᵀ[1 2 1] / 16, in place of the centre rows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import C, Cat, Module, Value, unsigned
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.parameters import WINDOW_SIZE, Parameters
+from hdl.stream import Columns, Pipeline, WindowCounter
+
+
+def filtered_rows(parameters: Parameters) -> int:
+    """Rows of S that are needed: those of the neighbourhood in which a corner is the largest."""
+    return 2 * parameters.suppression + 1
+
+
+class ResponseFilter(wiring.Component):
+    """S (``golden.response_filter``) of the middle rows, so late that windows of 3 and of 9 are complete together.
+
+    Does what :class:`hdl.centre_rows.CentreRows` does, in the same clocks, with S instead of D, and with
+    ``suppression`` r above 1 for as many rows and columns around each centre.
+
+        clock 1   a + 2b + c down the column
+        clock 2   the same along the row: pairs of neighbours, and pairs of these
+
+    Members
+    -------
+    i
+        Stream of ``Columns(unsigned(response_bits), 9)``.
+    o
+        Stream of ``Columns(unsigned(response_bits), 2r + 1)``, rows 8 - 2r positions shorter.
+    """
+
+    latency = 2
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._response = unsigned(parameters.response_bits)
+        self._rows = filtered_rows(parameters)
+        super().__init__(
+            {
+                "i": In(stream.Signature(Columns(self._response, WINDOW_SIZE))),
+                "o": Out(stream.Signature(Columns(self._response, self._rows))),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        pipe = Pipeline(m, self.i, self.o)
+        step, reach = pipe.valid & pipe.advance, self._rows // 2
+        window = WindowCounter(m, WINDOW_SIZE - 2 * reach, step=step, eol=self.i.payload.eol)
+        beat = pipe.register(pipe.valid, "beat", reset=True)
+        middle = WINDOW_SIZE // 2
+        # S of a column needs the next column's D, so it comes one late by itself
+        columns_late = middle - reach - 1
+        for k, row in enumerate(range(middle - reach, middle + reach + 1)):
+            down = pipe.register(self._down(row), f"down_{k}")
+            pair = down + pipe.register(down, f"down_before_{k}", when=beat)
+            smoothed = (pair + pipe.register(pair, f"pair_before_{k}", when=beat))[4:]
+            for late in range(columns_late + 1):
+                smoothed = pipe.register(smoothed, f"smoothed_{k}_{late}", when=beat)
+            m.d.comb += self.o.payload.data[k].eq(smoothed)
+        m.d.comb += [
+            self.o.valid.eq(pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)),
+            self.o.payload.eol.eq(pipe.delay(self.i.payload.eol, self.latency, "eol")),
+            self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
+        ]
+        return m
+
+    def _down(self, row: int) -> Value:
+        """a + 2b + c + 2: of the half that rounds the mean over 3x3 a quarter comes from each of four columns."""
+        above, here, below = (self.i.payload.data[k] for k in (row - 1, row, row + 1))
+        # both ones enter where the adders have room for them
+        ends = (Cat(C(1, 1), above) + Cat(C(1, 1), below))[1:]
+        return (ends + Cat(C(1, 1), here))[: len(here) + 2]

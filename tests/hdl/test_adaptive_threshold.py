@@ -1,0 +1,235 @@
+# amaranth: UnusedElaboratable=no
+"""Adaptive threshold: S less the weighted local level against T1, with and without the response filter."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from amaranth.hdl import Module
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+from numpy.lib.stride_tricks import sliding_window_view
+
+from golden.adaptive_threshold import adaptive_threshold, local_level, prominence
+from golden.parameters import Parameters, ResponseFilter
+from golden.response_filter import response_filter
+from hdl.adaptive_threshold import AdaptiveThreshold
+from hdl.centre_rows import CentreRows
+from hdl.response_filter import ResponseFilter as ResponseFilterBlock
+from hdl.texture_filter import TextureFilter
+from hdl.thresholds import thresholds_layout
+from sim.engine import EngineName
+from sim.stimulus import Capture, Stalls, Stimulus
+from tests.hdl.blocks import (
+    ENGINES,
+    NO_STALLS,
+    RUN_IDS,
+    RUNS,
+    Array,
+    Words,
+    assert_timing,
+    columns,
+    completing,
+    engine,
+    extremes,
+    noise,
+    pack,
+    raster,
+    run,
+    same,
+)
+
+FILTERS: list[ResponseFilter] = ["none", "binomial"]
+both = pytest.mark.parametrize("kind", FILTERS)
+
+
+def built(kind: ResponseFilter, pixel_bits: int = 8) -> Parameters:
+    return Parameters(texture="mean", gradient="signed", response_filter=kind, pixel_bits=pixel_bits)
+
+
+FULL = built("none").response_max
+
+
+class InStep(wiring.Component):
+    """The block as the detector feeds it: with the centres that come of the same columns."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self.block = AdaptiveThreshold(parameters)
+        filtered = parameters.response_filter == "binomial"
+        self._centres = ResponseFilterBlock(parameters) if filtered else CentreRows(parameters)
+        super().__init__(
+            {
+                "i": In(stream.Signature(self.block.i.payload.shape())),
+                "thresholds": In(stream.Signature(self.block.thresholds.payload.shape())),
+                "o": Out(stream.Signature(self.block.o.payload.shape())),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.block, m.submodules.centres = block, centres = self.block, self._centres
+        wiring.connect(m, wiring.flipped(self.thresholds), block.thresholds)
+        wiring.connect(m, block.o, wiring.flipped(self.o))
+        m.d.comb += [
+            self.i.ready.eq(block.i.ready),
+            block.i.valid.eq(self.i.valid),
+            block.i.payload.eq(self.i.payload),
+            # in the detector thresholds are never late
+            centres.i.valid.eq(self.i.valid & self.thresholds.valid),
+            centres.i.payload.eq(self.i.payload),
+        ]
+        wiring.connect(m, centres.o, block.centres)
+        return m
+
+
+def peaks_and_windows(frame: Array, kind: ResponseFilter) -> tuple[Array, Array]:
+    peaks = response_filter(frame)[3:-3, 3:-3] if kind == "binomial" else frame[4:-4, 4:-4]
+    return peaks, sliding_window_view(frame, (9, 9))
+
+
+def streams(
+    kind: ResponseFilter, frames: list[Array], limits: list[tuple[int, int]], pixel_bits: int = 8
+) -> tuple[dict[str, Words], dict[str, Words]]:
+    """``limits``: T1 and weight of each frame. Every other frame also reports what is rejected."""
+    parameters = built(kind, pixel_bits)
+    block = InStep(parameters)
+    reported = [k % 2 for k in range(len(frames))]
+    results = []
+    for frame, (t1, weight), report in zip(frames, limits, reported, strict=True):
+        accepted, response = adaptive_threshold(*peaks_and_windows(frame, kind), t1, weight)
+        results.append(np.stack([~accepted, accepted | bool(report), response], axis=-1))
+    tagged = raster(results)
+    fields = ("textured", "keep", "response")
+    tagged["data"] = {field: tagged["data"][:, k] for k, field in enumerate(fields)}
+    t1s, weights = (np.array(values) for values in zip(*limits, strict=True))
+    thresholds = {"t1": t1s, "t2": weights, "report_rejected": np.array(reported)}
+    given = {
+        "i": pack(block.i.payload.shape(), columns(frames, 9)),
+        "thresholds": pack(thresholds_layout(parameters), thresholds),
+    }
+    return given, {"o": pack(block.o.payload.shape(), tagged)}
+
+
+def check(
+    kind: ResponseFilter,
+    frames: list[Array],
+    limits: list[tuple[int, int]],
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+    pixel_bits: int = 8,
+) -> Capture:
+    given, expected = streams(kind, frames, limits, pixel_bits)
+    capture = run(engine(name, InStep, built(kind, pixel_bits)), given, expected, stalls)
+    if stalls == NO_STALLS:
+        sizes = [(len(frame) - 8, frame.shape[1]) for frame in frames]
+        assert_timing(capture, AdaptiveThreshold.latency, completing(sizes, 9))
+    return capture
+
+
+def between(frame: Array, kind: ResponseFilter, weight: int) -> int:
+    """A T that occurs in the frame, where it is not negative in the middle of them all: the comparison is exact."""
+    left = np.sort(prominence(*peaks_and_windows(frame, kind), weight), axis=None)
+    return max(0, int(left[3 * len(left) // 4]))
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+@both
+def test_noise(kind: ResponseFilter, name: EngineName, stalls: Stalls) -> None:
+    sizes = [(25, 30), (9, 9), (9, 40), (14, 9), (11, 17), (9, 9)]
+    frames = noise(sizes if name == "compiled" else [(9, 9), (10, 13), (10, 9)], FULL)
+    weights = [4, 0, 7, 1, 15, 2][: len(frames)]
+    limits = [(between(frame, kind, weight), weight) for frame, weight in zip(frames, weights, strict=True)]
+    check(kind, frames, limits, name, stalls)
+
+
+@pytest.mark.parametrize("radius", [2, 3])
+def test_centres_of_more_rows(radius: int) -> None:
+    """Of as many as a larger radius of suppression needs; they come so much later."""
+    frames = noise([(25, 30), (9, 9), (14, 9)], FULL)
+    limits = [(between(frame, "binomial", 4), 4) for frame in frames]
+    given, expected = streams("binomial", frames, limits)
+    parameters = replace(built("binomial"), fit="gradient", suppression=radius)
+    for stalls in (NO_STALLS, Stalls(inputs=0.3, outputs=0.4, seed=13)):
+        run(engine("compiled", InStep, parameters), given, expected, stalls)
+
+
+@both
+@pytest.mark.parametrize("weight", range(16))
+def test_around_every_value_that_is_left(kind: ResponseFilter, weight: int) -> None:
+    """T1 at each T of a small frame, and one below it: F is T > T1."""
+    (frame,) = noise([(10, 11)], 4000, 1)
+    left = np.unique(prominence(*peaks_and_windows(frame, kind), weight))
+    t1 = sorted({0, *(int(value) for value in left if value >= 0), *(int(v) - 1 for v in left if v >= 1)})
+    check(kind, [frame] * len(t1), [(value, weight) for value in t1])
+
+
+@both
+def test_every_place_of_the_window(kind: ResponseFilter) -> None:
+    """A lone response in each of the 81 places counts once, also where the window before and after has it."""
+    frames = []
+    for place in range(81):
+        lone = np.where(np.arange(81).reshape(9, 9) == place, FULL, 0)
+        frames.append(np.pad(lone, ((0, 0), (2, 3))))
+    assert {int(local_level(frame[:, 2:11])) for frame in frames} == {FULL // 64}
+    check(kind, frames, [(place * 7, 1 + place % 15) for place in range(81)])
+
+
+@both
+@pytest.mark.parametrize("pixel_bits", [4, 8, 10])
+def test_extremes(kind: ResponseFilter, pixel_bits: int) -> None:
+    full = built(kind, pixel_bits).response_max
+    frames = [frame for frame in extremes((11, 18), full) for _ in range(4)]
+    limits = [((0, 15), (full, 0), (full // 3, 4), (0, 1))[k % 4] for k in range(len(frames))]
+    check(kind, frames, limits, pixel_bits=pixel_bits)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_by_hand(name: EngineName) -> None:
+    """1000 in the middle, 5400 elsewhere: L = 100. With a weight of 4 eighths 950 is left, which is not above 950."""
+    frame = np.zeros((9, 9), np.int64)
+    frame[4, 4], frame[0, 8] = 1000, 5400
+    capture = check("none", [frame] * 4, [(950, 4), (950, 4), (949, 4), (999, 0)], name)
+    words = capture.outputs["o"].astype(int)
+    assert (words & 1).tolist() == [1, 1, 0, 0]
+    assert (words >> 1 & 1).tolist() == [0, 1, 1, 1]
+    assert (words >> 2 & 0x1FFFF).tolist() == [950, 950, 950, 1000]
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+@both
+def test_each_result_has_its_own_frames_threshold(
+    kind: ResponseFilter, name: EngineName, stalls: Stalls
+) -> None:
+    """Frames of one window, back to back: neither the next T1 nor the next weight must come too soon."""
+    frames = noise([(9, 9)] * 12, FULL, 5)
+    check(kind, frames, [(0, 0), (FULL, 0), (0, 15), (0, 1)] * 3, name, stalls)
+
+
+def test_thresholds_are_kept_until_the_last_result_is_taken() -> None:
+    frames = noise([(9, 12), (10, 9)], FULL, 4)
+    capture = check("none", frames, [(1000, 4), (2000, 2)])
+    last_results = np.cumsum([4, 2]) - 1
+    assert np.array_equal(capture.input_clocks["thresholds"], capture.output_clocks["o"][last_results])
+
+
+@both
+def test_reset_in_mid_window_leaves_nothing_of_what_was_before(kind: ResponseFilter) -> None:
+    before, after = noise([(20, 21), (14, 15)], FULL, 6)
+    old, _ = streams(kind, [before], [(9, 4)])
+    new, expected = streams(kind, [after], [(20_000, 4)])
+    for cut in (1, 9, 30, 100):
+        beats = {
+            "i": np.concatenate([old["i"][:cut], new["i"]]),
+            # the first is on offer when reset comes, and lost
+            "thresholds": np.concatenate([old["thresholds"], new["thresholds"]]),
+        }
+        stimulus = Stimulus(beats, [], NO_STALLS, reset_after=cut)
+        words = engine("compiled", InStep, built(kind)).run(stimulus, quiet=200).outputs["o"]
+        same("o", words[len(words) - len(expected["o"]) :], expected["o"])
+
+
+def test_latency() -> None:
+    assert AdaptiveThreshold.latency == TextureFilter.latency == 5

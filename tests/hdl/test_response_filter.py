@@ -1,0 +1,98 @@
+# amaranth: UnusedElaboratable=no
+"""Response filter: the middle rows of nine, smoothed, three columns late, as the centre rows are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from golden.parameters import Parameters
+from golden.response_filter import response_filter
+from hdl.centre_rows import CentreRows
+from hdl.response_filter import ResponseFilter
+from sim.engine import EngineName
+from sim.stimulus import Capture, Stalls
+from tests.hdl.blocks import (
+    ENGINES,
+    NO_STALLS,
+    RUN_IDS,
+    RUNS,
+    Array,
+    assert_timing,
+    columns,
+    completing,
+    engine,
+    extremes,
+    noise,
+    pack,
+    run,
+    unpack,
+)
+
+SIGNED = Parameters(gradient="signed", response_filter="binomial", fit="gradient")
+FULL = SIGNED.response_max
+
+
+def check(
+    frames: list[Array],
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+    pixel_bits: int = 8,
+    radius: int = 1,
+) -> Capture:
+    parameters = replace(SIGNED, pixel_bits=pixel_bits, suppression=radius)
+    block = ResponseFilter(parameters)
+    edge = 3 - radius
+    inner = [response_filter(frame) for frame in frames]
+    inner = [frame[edge : len(frame) - edge, edge : frame.shape[1] - edge] for frame in inner]
+    capture = run(
+        engine(name, ResponseFilter, parameters),
+        {"i": pack(block.i.payload.shape(), columns(frames, 9))},
+        {"o": pack(block.o.payload.shape(), columns(inner, 2 * radius + 1))},
+        stalls,
+    )
+    if stalls == NO_STALLS:
+        sizes = [(len(frame) - 8, frame.shape[1]) for frame in frames]
+        # columns past the one that comes out
+        assert_timing(capture, block.latency, completing(sizes, 9 - 2 * radius))
+    return capture
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+@pytest.mark.parametrize("radius", [1, 2, 3])
+def test_noise(radius: int, name: EngineName, stalls: Stalls) -> None:
+    sizes = [(20, 30), (9, 9), (12, 7), (9, 40), (10, 8), (11, 17)]
+    frames = noise(sizes if name == "compiled" else [(9, 9), (10, 12), (11, 7), (9, 10)], FULL)
+    check(frames, name, stalls, radius=radius)
+
+
+@pytest.mark.parametrize("pixel_bits", [4, 8, 10])
+def test_extremes(pixel_bits: int) -> None:
+    full = replace(SIGNED, pixel_bits=pixel_bits).response_max
+    check(extremes((11, 20), full), pixel_bits=pixel_bits)
+
+
+def test_every_remainder_is_rounded() -> None:
+    """One response of 0 to 31 in a corner of the smoothed window, weight 1; in its middle, weight 4."""
+    frames = []
+    for value in range(32):
+        for place in (3, 4):
+            frame = np.zeros((9, 9), np.int64)
+            frame[place, place] = value
+            frames.append(frame)
+    check(frames)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_by_hand(name: EngineName) -> None:
+    frame = np.zeros((9, 9), np.int64)
+    frame[4, 4], frame[3, 5] = 160, 16
+    layout = ResponseFilter(SIGNED).o.payload.shape()
+    seen = unpack(layout, check([frame], name).outputs["o"])
+    assert seen["data"].tolist() == [[10, 20, 10], [22, 42, 21], [14, 22, 10]]
+
+
+def test_latency() -> None:
+    assert ResponseFilter.latency == CentreRows.latency == 2
