@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from golden import Parameters, Settings, StreamModel, profile
 from golden.detector import frame_records, response_map
-from golden.parameters import Reference
 from golden.thresholds import choose_reference, thresholds
 
 if TYPE_CHECKING:
@@ -35,13 +34,9 @@ NOISE = 2.0
 SEED = 0
 TARGETS = (100, 300)
 TOLERANCES = (1 / 8, 1 / 4)
-LAWS: dict[str, Reference] = {
-    "histogram, constant reference": "constant",
-    "histogram, reference of the frame before": "previous",
-    "steps, reference of the frame before": "previous",
-}
-"""And where Dref, of which T2 is a fraction, comes from."""
-_STEPPED = "steps, reference of the frame before"
+STEPS, PAPER = "steps", "histogram, the paper's filter"
+LAWS = ("histogram", PAPER, STEPS)
+"""What decides about T1. The paper's filter compares with a fraction of the frame before's largest D, which jumps."""
 
 
 @dataclass(frozen=True)
@@ -117,9 +112,11 @@ def stepped(t1: int, count: int, target: int, least: int) -> int:
 
 
 def _follow(law: str, frames: list[Image], target: int, parameters: Parameters) -> Record:
-    settings = replace(Settings.default(parameters), reference=LAWS[law])
+    if law == PAPER:
+        parameters = replace(parameters, texture="patches")
+    settings = Settings.default(parameters)
     counts, t1s = [], []
-    if law != _STEPPED:
+    if law != STEPS:
         model = StreamModel(parameters)
         for image in frames:
             result = model.process(image, replace(settings, target_corners=target))

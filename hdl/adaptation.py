@@ -42,7 +42,7 @@ class Adaptation(wiring.Component):
     corner, strength
         In this clock there is a corner to count, and its D. Not in two clocks in a row, and not while busy.
     last, target
-        In this clock the frame ends; it is to be read for this target. A corner may come in the same clock.
+        In this clock the frame ends; it is to be read for the target of the next clock. A corner may come along.
     kept
         ``adapted_layout(parameters)``: what is known of frames before the last reset.
     busy
@@ -79,8 +79,12 @@ class Adaptation(wiring.Component):
         fresh, aimed, scanning = Signal(init=1), Signal(), Signal()
         time = Signal(range(self.clocks))
         done = time == self.clocks - 1
+        # registers, because the last window comes out of block RAM
+        ended = _later(m, self.last, 1, "ended")
         with m.If(self.last):
-            m.d.sync += [self.busy.eq(1), aimed.eq(self.target != 0)]
+            m.d.sync += self.busy.eq(1)
+        with m.If(ended):
+            m.d.sync += aimed.eq(self.target != 0)
         with m.If(self.busy):
             m.d.sync += time.eq(Mux(done, 0, time + 1))
         found, below = Signal(), Signal(self._parameters.response_bits)
@@ -98,7 +102,7 @@ class Adaptation(wiring.Component):
             with m.If(place == 0):
                 m.d.sync += scanning.eq(0)
         count, read = self._histogram(m, scanning, place)
-        self._descend(m, count, read, found, below)
+        self._descend(m, ended, count, read, found, below)
         return m
 
     def _bin(self, response: Value) -> Value:
@@ -143,7 +147,9 @@ class Adaptation(wiring.Component):
             m.d.sync += total.eq(writing.data)
         return count, scanned_4
 
-    def _descend(self, m: Module, count: Signal, read: Signal, found: Signal, below: Signal) -> None:
+    def _descend(
+        self, m: Module, ended: Signal, count: Signal, read: Signal, found: Signal, below: Signal
+    ) -> None:
         """Adds the bins up to the target. ``below`` is one less than the smallest D that is wanted so far."""
         p = self._parameters
         need, width = Signal(BUDGET_BITS + 1), Signal(p.response_bits)
@@ -173,7 +179,7 @@ class Adaptation(wiring.Component):
             m.d.sync += below.eq(below - width)
         with m.If(shrink):
             m.d.sync += width.eq(width >> 1)
-        with m.If(self.last):
+        with m.If(ended):
             m.d.sync += [
                 found.eq(0),
                 steps.eq(0),

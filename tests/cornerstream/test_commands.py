@@ -88,6 +88,17 @@ def test_detect_as_json(image: np.ndarray) -> None:
     assert [path.name for path in Path().iterdir()] == ["grey.png"]
 
 
+@pytest.mark.parametrize("limit", ["max_corners", "target_corners"])
+def test_a_limit_or_a_target_builds_what_it_needs(image: np.ndarray, limit: str) -> None:
+    option = "--" + limit.replace("_", "-")
+    result = run("detect", "grey.png", "--json", "--suppression", "2", "--sigma1", "0.01", option, "3")
+    settings = Settings(sigma1=0.01, report_rejected=True, **{limit: 3})
+    corners = detect(image, Parameters(suppression=2, budget=True), settings)
+    found = json.loads(result.stdout)["corners"]
+    assert [{k: float(v) for k, v in corner.items()} for corner in found] == as_table(corners)
+    assert corners.accepted.sum() <= 3 if limit == "max_corners" else len(corners) > 0
+
+
 def test_conversion_is_said_in_a_line() -> None:
     Image.new("RGB", (20, 20), "red").save("colour.png")
     result = run("detect", "colour.png", "--json")

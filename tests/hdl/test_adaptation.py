@@ -71,7 +71,7 @@ def simulate(
                 ctx.set(dut.corner, 1)
                 ctx.set(dut.strength, response)
                 ctx.set(dut.last, last)
-                ctx.set(dut.target, target)
+                ctx.set(dut.target, 0)
                 await ctx.tick()
                 ctx.set(dut.corner, 0)
                 ctx.set(dut.last, 0)
@@ -81,10 +81,9 @@ def simulate(
                 await wait(ctx)
             else:
                 ctx.set(dut.last, 1)
-                ctx.set(dut.target, target)
                 await ctx.tick()
                 ctx.set(dut.last, 0)
-            ctx.set(dut.target, 0)
+            ctx.set(dut.target, target)
             await settle(ctx)
 
     simulator = Simulator(dut)
