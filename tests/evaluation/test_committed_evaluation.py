@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 
+import numpy as np
 import pytest
 
 from evaluation.accuracy import Outcome, paper_scenes
@@ -66,9 +67,11 @@ def test_table_5_is_that_of_this_detector(name: str) -> None:
     rows = committed()["table5"][name]["rows"]
     assert outcome.found == [row[INTEGER] is not None for row in rows]
     for method in (INTEGER, *get_args(Fit)):
-        fresh = (outcome.offsets(method) + (17.6, 129.4)).round(4).tolist()
+        fresh = (outcome.offsets(method) + np.array([17.6, 129.4])).round(4).tolist()
         kept = [row[method] for row in rows if row[method] is not None]
-        assert fresh == [pytest.approx(position, abs=2e-4) for position in kept], f"run cornerstream eval: {method}"
+        assert fresh == [pytest.approx(position, abs=2e-4) for position in kept], (
+            f"run cornerstream eval: {method}"
+        )
 
 
 @pytest.mark.parametrize("name", PROFILES)

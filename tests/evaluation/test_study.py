@@ -265,6 +265,16 @@ def test_missing_opencv_is_said_in_a_line(
     )
 
 
+def test_missing_matplotlib_is_said_before_anything_is_measured(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    for arguments in (["--page"], ["--output", "made"]):
+        result = run(*arguments)
+        assert result.exit_code == 2 and not (folder / "made").exists()
+        assert result.stderr.startswith("Error: matplotlib is not installed; get it with: pip install")
+
+
 def test_help_has_examples() -> None:
     text = run("--help").stdout
     assert "cornerstream eval --quick --json" in text and "--board-size" in text
