@@ -15,6 +15,7 @@ from cornerstream.eval_tables import tables
 from cornerstream.files import prepare_folder, read_figures, write_all
 from cornerstream.options import output_option
 from cornerstream.own_data import load_boards, load_images, load_pairs, load_video
+from cornerstream.tools import running_tools
 from evaluation.packages import MissingPackageError
 from evaluation.pictures import pictures
 from evaluation.plots import plots
@@ -115,13 +116,14 @@ def evaluate(
             videos=[pair for video in videos for pair in load_video(video)],
             boards=load_boards(boards, _size(board_size)) if boards else [],
         )
-        result = study(
-            profiles=chosen,
-            sections=only or SECTIONS,
-            quick=quick,
-            own=own,
-            progress=console.progress,
-        )
+        with running_tools():
+            result = study(
+                profiles=chosen,
+                sections=only or SECTIONS,
+                quick=quick,
+                own=own,
+                progress=console.progress,
+            )
     except MissingPackageError as error:
         raise BadInput(one_line(error)) from error
     if output:

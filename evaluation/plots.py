@@ -13,6 +13,7 @@ from evaluation.paper_accuracy import MEAN_RHO
 from evaluation.placements import INTEGER, OPENCV
 from evaluation.scenes import KINDS
 from evaluation.sources import STRUCTURE, TEXTURE
+from evaluation.word_lengths_page import draw_word_lengths
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -75,6 +76,10 @@ def plots(study: Record) -> dict[str, bytes]:
         drawn["texture.png"] = encoded(_texture(study["texture"]["steps"]))
     if "adaptation" in study:
         drawn["adaptation.png"] = adaptation.plot(study["adaptation"])
+    if "word_lengths" in study:
+        panels = figure(11, 3.4)
+        draw_word_lengths(panels, study["word_lengths"])
+        drawn["word_lengths.png"] = encoded(panels)
     if "robustness" in study:
         drawn["robustness.png"] = encoded(_robustness(study["robustness"]))
     return drawn

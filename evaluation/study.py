@@ -21,11 +21,22 @@ from evaluation.robustness import robustness, trackable
 from evaluation.sources import NamedImage, Pair, packaged_videos, photographs
 from evaluation.texture import chosen as chosen_pairs
 from evaluation.texture import texture
+from evaluation.word_lengths import steps as word_length_steps
+from evaluation.word_lengths import word_lengths
 from golden import PROFILES, Parameters, Settings
 from golden.version import VERSION
 
 Record = dict[str, Any]
-Section = Literal["accuracy", "table5", "chessboards", "repeatability", "robustness", "texture", "adaptation"]
+Section = Literal[
+    "accuracy",
+    "table5",
+    "chessboards",
+    "repeatability",
+    "robustness",
+    "texture",
+    "adaptation",
+    "word_lengths",
+]
 SECTIONS: tuple[Section, ...] = get_args(Section)
 Progress = Callable[[str, int], AbstractContextManager[Callable[[int], None]]]
 """Called with what is being measured and how many steps it takes; gives what is to be called with steps done."""
@@ -110,6 +121,8 @@ def study(
     ------
     evaluation.packages.MissingPackageError
         OpenCV, or a package whose photographs or videos are needed, is not installed.
+    flow.yowasp.ToolNotFoundError, flow.yowasp.ToolError
+        Synthesis, for ``"word_lengths"``, is not possible.
     """
     profiles = profiles or dict(PROFILES)
     own = own or Own()
@@ -130,6 +143,13 @@ def study(
         with progress("adaptation to a target", len(TARGETS) * len(LAWS)) as advance:
             steps = count(1)
             result["adaptation"] = adaptation(notify=lambda done: advance(next(steps)))
+    if "word_lengths" in sections and not quick:
+        with progress("word lengths, with synthesis", word_length_steps()) as advance:
+            steps = count(1)
+            result["word_lengths"] = word_lengths(
+                profiles.get("robust", next(iter(profiles.values()))),
+                notify=lambda done: advance(next(steps)),
+            )
     return result
 
 

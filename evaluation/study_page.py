@@ -14,6 +14,7 @@ from evaluation.placements import INTEGER, OPENCV
 from evaluation.scenes import BLURS, CONTRASTS, KINDS, NOISES, OPENINGS
 from evaluation.sources import FRAMES_APART, PAIRS_PER_VIDEO, STRUCTURE, TEXTURE
 from evaluation.views import VIEWS
+from evaluation.word_lengths_page import word_lengths_tables
 from flow.templates import render
 
 Record = dict[str, Any]
@@ -52,6 +53,7 @@ def page(study: Record) -> str:
         ("robustness", _robustness),
         ("texture", _texture),
         ("adaptation", _adaptation),
+        ("word_lengths", word_lengths_tables),
     ):
         known[name] = write(study[name]) if study.get(name) else None
     known["boards"] = [_boards(name, found) for name, found in study.get("chessboards", {}).items() if found]

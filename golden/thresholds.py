@@ -32,9 +32,9 @@ def thresholds(
     With a target T1 is ``adapted`` instead, but no less than sigma1 · floor; None: no frame before has been counted.
     """
     t1 = (settings.sigma1_fixed * reference) >> SIGMA_BITS
-    if parameters.texture == "mean":
-        return Thresholds(t1, settings.mean_weight)
     t2 = (settings.sigma2_fixed * reference * parameters.pixels_per_region) >> SIGMA_BITS
+    if parameters.texture == "mean":
+        t2 = settings.mean_weight
     if settings.target_corners and adapted is not None:
         t1 = max((settings.sigma1_fixed * settings.floor) >> SIGMA_BITS, adapted)
     return Thresholds(t1, t2)

@@ -167,6 +167,11 @@ class VideoModel:
         """Is a frame under way?"""
         return self._now is not None
 
+    @property
+    def adapted(self) -> int | None:
+        """T1 for the next frame, if it has a target; None if the last complete one had none."""
+        return self._adapted
+
     def feed(self, beats: Iterable[tuple[int, bool, bool]], video: VideoSettings) -> list[Packet]:
         """Packets of the frames that end with these beats: ``(pixel, start of frame, end of line)``."""
         video.check(self.parameters)

@@ -12,8 +12,8 @@ from amaranth.lib.wiring import In, Out
 from golden.adaptation import STEPS, bins, octaves
 from golden.parameters import BUDGET_BITS, Parameters
 
-EVENT_CLOCKS = 4
-"""A corner's way: 1 its D, 2 its bin, 3 its count out of the memory, 4 behind a register, and one more goes back."""
+EVENT_CLOCKS = 5
+"""A corner's way: 1 its D, 2 its bin, 3 its count out of the memory, 4 and 5 behind a register, and back."""
 
 
 def adapted_layout(parameters: Parameters) -> data.StructLayout:
@@ -25,7 +25,7 @@ class Adaptation(wiring.Component):
     """Counts a frame's corners by their D, and works T1 out for the next one.
 
     One block RAM holds the histogram. The corners of a row are two clocks apart at least; where the second falls
-    into the bin of the first, it finds the sum just on its way back. After a frame's last corner the bins are read
+    into the bin of the first, it takes the sum that is on its way back. After a frame's last corner the bins are read
     from the largest D downwards, one per clock, and cleared on the same way: both are done before the next frame has
     responses. The bin that reaches the target stays where it was compared, and three more comparisons make the place
     in it.
@@ -39,7 +39,7 @@ class Adaptation(wiring.Component):
 
     Members
     -------
-    corner, response
+    corner, strength
         In this clock there is a corner to count, and its D. Not in two clocks in a row, and not while busy.
     last, target
         In this clock the frame ends; it is to be read for this target. A corner may come in the same clock.
@@ -56,7 +56,7 @@ class Adaptation(wiring.Component):
         super().__init__(
             {
                 "corner": In(1),
-                "response": In(parameters.response_bits),
+                "strength": In(parameters.response_bits),
                 "last": In(1),
                 "target": In(BUDGET_BITS),
                 "kept": In(adapted_layout(parameters)),
@@ -68,7 +68,7 @@ class Adaptation(wiring.Component):
     @property
     def clocks(self) -> int:
         """Clocks that ``busy`` lasts after a frame's last corner."""
-        return EVENT_CLOCKS - 1 + bins(self._parameters) + EVENT_CLOCKS + STEPS + 1
+        return EVENT_CLOCKS + bins(self._parameters) + 4 + STEPS
 
     @property
     def memory_bits(self) -> int:
@@ -120,23 +120,26 @@ class Adaptation(wiring.Component):
         reading, writing = memory.read_port(), memory.write_port()
 
         response = Signal(self._parameters.response_bits, reset_less=True)
-        m.d.sync += [response.eq(self.response), number.eq(Mux(scanning, place, self._bin(response)))]
+        m.d.sync += [response.eq(self.strength), number.eq(Mux(scanning, place, self._bin(response)))]
         # suffixes: the clock of EVENT_CLOCKS
         number_4 = _later(m, number, 2, "bin")
-        counted_4 = _later(m, self.corner, 4, "counted")
-        scanned_4 = _later(m, scanning, 3, "scanned")
+        number_5 = _later(m, number_4, 1, "last_bin")
+        counted_4, scanned_4 = _later(m, self.corner, 4, "counted"), _later(m, scanning, 3, "scanned")
+        counted_5, scanned_5 = _later(m, counted_4, 1, "counts"), _later(m, scanned_4, 1, "clears")
+        # as the corner two clocks ahead, or three, whose sum is not in the memory yet when this one's count is read
+        ahead = (number == number_4) & counted_4 | (number == number_5) & counted_5
+        same_4 = _later(m, ahead, 2, "same")
         count, total = Signal(BUDGET_BITS), Signal(BUDGET_BITS)
-        # as the corner two clocks ahead, whose sum is written in the clock in which this one's count is read
-        same_4 = _later(m, (number == number_4) & counted_4, 2, "same")
         before = Mux(same_4, total, count)
+        before_5, more_5 = _later(m, before, 1, "before"), _later(m, ~before.all(), 1, "more")
         m.d.comb += [
             reading.addr.eq(number),
-            writing.addr.eq(number_4),
-            writing.en.eq(counted_4 | scanned_4),
-            writing.data.eq(Mux(scanned_4, 0, before + ~before.all())),
+            writing.addr.eq(number_5),
+            writing.en.eq(counted_5 | scanned_5),
+            writing.data.eq(Mux(scanned_5, 0, before_5 + more_5)),
         ]
         m.d.sync += count.eq(reading.data)
-        with m.If(counted_4):
+        with m.If(counted_5):
             m.d.sync += total.eq(writing.data)
         return count, scanned_4
 

@@ -241,7 +241,7 @@ class Detector(wiring.Component):
             response, counted = corners.payload.data.response, ~texture.textured
         m.d.comb += [
             adaptation.corner.eq(step & corners.payload.data.peak & counted),
-            adaptation.response.eq(response),
+            adaptation.strength.eq(response),
             adaptation.last.eq(step & corners.payload.eof),
             adaptation.target.eq(limits.payload.target_corners),
             adaptation.kept.eq(self.kept),

@@ -32,6 +32,13 @@ class Subpixel(wiring.Component):
     top; products of mantissas are added up bit by bit; both quotients are found bit by bit. All move on
     together every ``interval`` clocks.
 
+    Parameters
+    ----------
+    parameters
+        Of the detector; ``fit`` matters, and what its formats come from.
+    kept
+        Bits of a mantissa; by default those of ``golden.subpixel.mantissa_bits``.
+
     Members
     -------
     i
@@ -40,11 +47,11 @@ class Subpixel(wiring.Component):
         Stream of ``offset_layout(parameters.fit)``.
     """
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Parameters, kept: int | None = None) -> None:
         layout = derivatives_layout(parameters)
         self._fit = parameters.fit
         self._formats = FORMATS[parameters.fit]
-        self._mantissa_bits = mantissa_bits(parameters.fit)
+        self._mantissa_bits = mantissa_bits(parameters.fit) if kept is None else kept
         self._shifts = max(derivative_bits(parameters) - self._mantissa_bits, 0)
         # sums of two products, each below 2**(2·mantissa bits)
         self._sum_bits = 2 * self._mantissa_bits + 1

@@ -75,10 +75,13 @@ class WindowChain:
 
     @property
     def other_blocks(self) -> dict[str, Any]:
-        """Those beside it."""
+        """Those beside it; no centre rows where nobody reads them."""
         late = {name: block for name, block in self._late.items() if name != "late textures"}
+        read = not (self._by_gradients and self._by_columns) or isinstance(
+            self.texture_filter, AdaptiveThreshold
+        )
         return {
-            "centre rows": self.centre_rows,
+            **({"centre rows": self.centre_rows} if read else {}),
             "corner detection": self.corner_detection,
             "gradient step" if self._by_gradients else "surface": self.equations,
             **late,

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.budget_mutations import BUDGET_MUTATIONS
+
 ROOT = Path(__file__).resolve().parents[1]
 COPIED = ("golden", "hdl", "sim", "tests", "pyproject.toml")
 TESTS_FAILED = 1
@@ -177,6 +179,60 @@ MUTATIONS = {
         "falling[8] + rising[2], falling[5]",
         "tests/hdl/test_texture_filter.py",
         "noise and amaranth",
+    ),
+    "halves of Sobel gradients are rounded up": Mutation(
+        "hdl/preprocessing.py",
+        "C(1, 2).as_signed(), ~value[-1])",
+        "C(1, 2).as_signed(), C(1, 1))",
+        "tests/hdl/test_preprocessing.py",
+        "sobel_rounds and amaranth",
+    ),
+    "the golden model rounds them up": Mutation(
+        "golden/preprocessing.py",
+        "(sums + 1 + (sums >= 0)) >> 2",
+        "(sums + 2) >> 2",
+        "tests/golden/test_preprocessing.py",
+    ),
+    "smoothed responses come a column early": Mutation(
+        "hdl/response_filter.py",
+        "columns_late = middle - reach - 1",
+        "columns_late = middle - reach - 2",
+        "tests/hdl/test_response_filter.py",
+        "by_hand and amaranth",
+    ),
+    "the local level counts a column twice": Mutation(
+        "hdl/adaptive_threshold.py",
+        "WINDOW_SIZE - 1)\n        m.d.comb",
+        "WINDOW_SIZE - 2)\n        m.d.comb",
+        "tests/hdl/test_adaptive_threshold.py",
+        "test_noise and amaranth-unstalled",
+    ),
+    "the local level takes in what was there before reset": Mutation(
+        "hdl/adaptive_threshold.py",
+        "Mux(filled, line.o, 0)",
+        "Mux(1, line.o, 0)",
+        "tests/hdl/test_adaptive_threshold.py",
+        "reset",
+    ),
+    "a corner may be as high as the threshold": Mutation(
+        "golden/adaptive_threshold.py",
+        "standing_out > t1",
+        "standing_out >= t1",
+        "tests/golden/test_adaptive_threshold.py",
+    ),
+    "a large sigma2 becomes a small weight": Mutation(
+        "hdl/thresholds.py",
+        "sigma2[high:].any()",
+        "sigma2[high + 1 :].any()",
+        "tests/hdl/test_thresholds.py",
+        "weight_of_the_local_level and amaranth",
+    ),
+    "what the threshold leaves of a response is not reported": Mutation(
+        "hdl/candidate_selection.py",
+        'texture.response if p.texture == "mean" else corner.response',
+        "corner.response",
+        "tests/hdl/test_detector.py",
+        "photographs and robust and text",
     ),
     "the centre rows come a column early": Mutation(
         "hdl/centre_rows.py",
@@ -345,6 +401,7 @@ MUTATIONS = {
         "return [self._cut()]\n",
         "tests/golden/test_video.py",
     ),
+    **{name: Mutation(*fields) for name, fields in BUDGET_MUTATIONS.items()},
 }
 
 

@@ -151,6 +151,16 @@ class Bench:
             "CONSTANT": {"constant": settings.constant},
             "FLOOR": {"floor": settings.floor},
             "MAX_RECORDS": {"max_records": video.max_records},
+            **(
+                {
+                    "BUDGET": {
+                        "max_corners": settings.max_corners,
+                        "target_corners": settings.target_corners,
+                    }
+                }
+                if self.parameters.budget
+                else {}
+            ),
             "CONTROL": {
                 "enable": video.enabled,
                 "ignore_eol": video.ignore_eol,

@@ -33,7 +33,8 @@ STATUS, SIZE, CONTROL, IRQ_ENABLE, TIMEOUT = 0x14, 0x1C, 0x10, 0x18, 0x34
 
 def writable(bench: Bench) -> dict[int, int]:
     response = (1 << bench.parameters.response_bits) - 1
-    return {**WRITABLE, 0x28: response, 0x2C: response}
+    budget = {0x38: ALL} if bench.parameters.budget else {}
+    return {**WRITABLE, **budget, 0x28: response, 0x2C: response}
 
 
 def reset_values(bench: Bench) -> dict[int, int]:
@@ -48,7 +49,9 @@ def reset_values(bench: Bench) -> dict[int, int]:
         0x08: 1
         | p.pixel_bits << 4
         | sum(flag << (8 + k) for k, flag in enumerate(flags))
-        | profiles.get(built, 0) << 16,
+        | profiles.get(built, 0) * (p.suppression == 1) << 16
+        | (p.suppression * (p.suppression > 1)) << 28
+        | p.budget << 31,
         0x0C: p.max_height << 16 | p.max_width,
         CONTROL: int(p.autostart),
         STATUS: 0,
@@ -61,6 +64,7 @@ def reset_values(bench: Bench) -> dict[int, int]:
         0x30: 0xFF_FFFF,
         TIMEOUT: 0xFF_FFFF,
         **dict.fromkeys((0x40, 0x44, 0x48, 0x4C, 0x50), 0),
+        **(dict.fromkeys((0x38, 0x54), 0) if p.budget else {}),
     }
 
 

@@ -19,7 +19,11 @@ from golden import Parameters, profile
 from hdl.edges.register_map import ADDRESS_BITS, register_map
 
 PARAMETERS = Parameters()
-BUILDS = [PARAMETERS, profile("robust", max_width=640, max_height=480, pixel_bits=10, autostart=True)]
+BUILDS = [
+    PARAMETERS,
+    profile("robust", max_width=640, max_height=480, pixel_bits=10, autostart=True),
+    profile("robust", budget=True, suppression=3),
+]
 PAGE = Path(__file__).parents[2] / "docs" / "registers.md"
 
 
@@ -224,3 +228,19 @@ def test_the_page_names_every_bit() -> None:
             access = "w1s" if field.name == "reset" else register.access
             rows = [line for line in lines if line.startswith(f"| {bits} | {field.name} | {access} | ")]
             assert len(rows) == 1 and rows[0].endswith(f" | {field.text} |")
+
+
+def test_options_are_in_the_map_where_they_are_built_and_nowhere_else() -> None:
+    plain, built = (driver_map(p).registers for p in (PARAMETERS, Parameters(budget=True, suppression=3)))
+    assert set(built) - set(plain) == {"BUDGET", "ADAPTED"}
+    names = set(built["CAPABILITY"].fields) - set(plain["CAPABILITY"].fields)
+    assert names == {"budget", "suppression"}
+    fields = built["CAPABILITY"].fields
+    capability = built["CAPABILITY"].reset
+    assert capability >> fields["suppression"].low & 7 == 3 and capability >> fields["budget"].low & 1
+    # another radius is another detector, a budget that is off is not
+    profiles = [
+        driver_map(p).registers["CAPABILITY"].reset >> 16 & 15
+        for p in (Parameters(), Parameters(budget=True), Parameters(suppression=2))
+    ]
+    assert profiles == [1, 1, 0]

@@ -137,7 +137,7 @@ SELECTION = Claim(
         Fault("candidates.room & notes.room", "notes.room", "candidate: more is inside", 14),
         Fault("notes.i.valid.eq(picked | ending)", "notes.i.valid.eq(picked)", "note: ", 5),
         Fault("[x.eq(MARGIN), y.eq(y + 1)]", "x.eq(MARGIN)", "note: another beat", 6),
-        Fault("picked.eq(step & corner.corner", "picked.eq(self.corners.valid & corner.corner", "", 14),
+        Fault("Signal(), step & corner.corner", "Signal(), self.corners.valid & corner.corner", "", 14),
     ),
 )
 

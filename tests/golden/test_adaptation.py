@@ -116,7 +116,7 @@ def test_a_cut_is_over_after_one_frame(parameters: Parameters) -> None:
 
     T2 is constant here: where it follows the largest D, that jumps when a strong corner comes into sight.
     """
-    settings = Settings.default(parameters, target_corners=100, reference="constant")
+    settings = Settings.default(parameters, sigma1=0.01, target_corners=100, reference="constant")
     model = StreamModel(parameters)
     for name in ("camera", "grass", "coins", "brick", "gravel", "camera"):
         counts = [model.process(window(name, k), settings).found for k in range(10)]
@@ -125,7 +125,7 @@ def test_a_cut_is_over_after_one_frame(parameters: Parameters) -> None:
 
 def test_black_frames_leave_the_least_threshold() -> None:
     """As without a target, the next frame has more corners for once; what `max_corners` is for."""
-    settings = Settings.default(ROBUST, target_corners=100, max_corners=150, sigma2=15)
+    settings = Settings.default(ROBUST, target_corners=100, max_corners=150, sigma2=0)
     model = StreamModel(ROBUST)
     black = np.zeros((200, 200), np.uint8)
     least = round(0.05 * 65536) * 1024 >> 16
@@ -170,7 +170,7 @@ def test_max_corners_keeps_the_first(most: int, rejected: bool) -> None:
 def test_a_cut_frame_changes_nothing() -> None:
     """And what either limit left out is found, and reported as dropped."""
     p = profile("robust", budget=True, max_width=40, max_height=40)
-    settings = Settings.default(p, target_corners=12, max_corners=4, sigma2=4.0)
+    settings = Settings.default(p, sigma1=0.01, target_corners=12, max_corners=4, sigma2=0)
     video = VideoSettings(40, 40, settings)
     images = [window("grass", k, 40) for k in (9, 10, 30)]
     whole, cut = VideoModel(p), VideoModel(p)
@@ -198,7 +198,8 @@ def test_the_budget_must_be_built() -> None:
 @pytest.mark.parametrize("name", ["camera", "brick", "coins"])
 def test_float_reference(name: str) -> None:
     """Which takes the target's largest, without a histogram, and suppresses within the same radius."""
-    parameters = profile("robust", budget=True, suppression=3)
+    # rounded gradients, which the reference has not, decide which of some corners are among the largest
+    parameters = profile("robust", budget=True, suppression=3, derivative="central")
     settings = Settings.default(parameters, target_corners=80)
     image = photograph(name)
     exact = reference_detect(image, parameters, settings)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from golden import check_image
-from golden.parameters import MAX_SIDE, PROFILES, Gradient, Parameters, Settings, profile
+from golden.parameters import MAX_SIDE, OPTIONS, PROFILES, Gradient, Parameters, Settings, profile
 
 RANGES = {
     "pixel_bits": (4, 10),
@@ -171,20 +171,28 @@ def test_largest_side_fits_a_record() -> None:
 
 def test_profiles() -> None:
     assert PROFILES["paper"] == Parameters()
-    robust = profile("robust")
-    assert (robust.gradient, robust.ties, robust.buffering, robust.fit) == (
-        "signed",
-        "first",
-        "lean",
-        "gradient",
+    robust = Parameters(
+        gradient="signed",
+        derivative="sobel",
+        response_filter="binomial",
+        ties="first",
+        fit="gradient",
+        texture="mean",
+        buffering="lean",
     )
-    assert profile("robust", fit="six", max_width=640) == Parameters(
-        gradient="signed", ties="first", buffering="lean", fit="six", max_width=640
-    )
+    assert profile("robust") == robust
+    assert profile("robust", fit="six", max_width=640) == replace(robust, fit="six", max_width=640)
     with pytest.raises(ValueError, match=r"^profile is 'fast'; allowed: paper, robust$"):
         profile("fast")
     with pytest.raises(ValueError, match=r"^fit is 'ten'; allowed: nine, six, printed, gradient$"):
         profile("paper", fit="ten")
+
+
+def test_options_nobody_asked_for_are_not_described() -> None:
+    described = Parameters().described
+    assert described["gradient"] == "absolute" and not OPTIONS & set(described)
+    other = profile("robust", response_filter="none").described
+    assert OPTIONS & set(other) == {"derivative", "texture"} and other["derivative"] == "sobel"
 
 
 def test_frozen() -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,13 +22,14 @@ from hdl.response_filter import ResponseFilter as ResponseFilterBlock
 from hdl.texture_filter import TextureFilter
 from hdl.thresholds import thresholds_layout
 from sim.engine import EngineName
-from sim.stimulus import Capture, Stalls
+from sim.stimulus import Capture, Stalls, Stimulus
 from tests.hdl.blocks import (
     ENGINES,
     NO_STALLS,
     RUN_IDS,
     RUNS,
     Array,
+    Words,
     assert_timing,
     columns,
     completing,
@@ -37,6 +39,7 @@ from tests.hdl.blocks import (
     pack,
     raster,
     run,
+    same,
 )
 
 FILTERS: list[ResponseFilter] = ["none", "binomial"]
@@ -83,17 +86,13 @@ class InStep(wiring.Component):
 
 
 def peaks_and_windows(frame: Array, kind: ResponseFilter) -> tuple[Array, Array]:
-    return response_filter(frame, kind)[3:-3, 3:-3], sliding_window_view(frame, (9, 9))
+    peaks = response_filter(frame)[3:-3, 3:-3] if kind == "binomial" else frame[4:-4, 4:-4]
+    return peaks, sliding_window_view(frame, (9, 9))
 
 
-def check(
-    kind: ResponseFilter,
-    frames: list[Array],
-    limits: list[tuple[int, int]],
-    name: EngineName = "compiled",
-    stalls: Stalls = NO_STALLS,
-    pixel_bits: int = 8,
-) -> Capture:
+def streams(
+    kind: ResponseFilter, frames: list[Array], limits: list[tuple[int, int]], pixel_bits: int = 8
+) -> tuple[dict[str, Words], dict[str, Words]]:
     """``limits``: T1 and weight of each frame. Every other frame also reports what is rejected."""
     parameters = built(kind, pixel_bits)
     block = InStep(parameters)
@@ -105,19 +104,25 @@ def check(
     tagged = raster(results)
     fields = ("textured", "keep", "response")
     tagged["data"] = {field: tagged["data"][:, k] for k, field in enumerate(fields)}
-    t1, weights = (np.array(values) for values in zip(*limits, strict=True))
-    capture = run(
-        engine(name, InStep, parameters),
-        {
-            "i": pack(block.i.payload.shape(), columns(frames, 9)),
-            "thresholds": pack(
-                thresholds_layout(parameters),
-                {"t1": t1, "t2": weights, "report_rejected": np.array(reported)},
-            ),
-        },
-        {"o": pack(block.o.payload.shape(), tagged)},
-        stalls,
-    )
+    t1s, weights = (np.array(values) for values in zip(*limits, strict=True))
+    thresholds = {"t1": t1s, "t2": weights, "report_rejected": np.array(reported)}
+    given = {
+        "i": pack(block.i.payload.shape(), columns(frames, 9)),
+        "thresholds": pack(thresholds_layout(parameters), thresholds),
+    }
+    return given, {"o": pack(block.o.payload.shape(), tagged)}
+
+
+def check(
+    kind: ResponseFilter,
+    frames: list[Array],
+    limits: list[tuple[int, int]],
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+    pixel_bits: int = 8,
+) -> Capture:
+    given, expected = streams(kind, frames, limits, pixel_bits)
+    capture = run(engine(name, InStep, built(kind, pixel_bits)), given, expected, stalls)
     if stalls == NO_STALLS:
         sizes = [(len(frame) - 8, frame.shape[1]) for frame in frames]
         assert_timing(capture, AdaptiveThreshold.latency, completing(sizes, 9))
@@ -138,6 +143,17 @@ def test_noise(kind: ResponseFilter, name: EngineName, stalls: Stalls) -> None:
     weights = [4, 0, 7, 1, 15, 2][: len(frames)]
     limits = [(between(frame, kind, weight), weight) for frame, weight in zip(frames, weights, strict=True)]
     check(kind, frames, limits, name, stalls)
+
+
+@pytest.mark.parametrize("radius", [2, 3])
+def test_centres_of_more_rows(radius: int) -> None:
+    """Of as many as a larger radius of suppression needs; they come so much later."""
+    frames = noise([(25, 30), (9, 9), (14, 9)], FULL)
+    limits = [(between(frame, "binomial", 4), 4) for frame in frames]
+    given, expected = streams("binomial", frames, limits)
+    parameters = replace(built("binomial"), fit="gradient", suppression=radius)
+    for stalls in (NO_STALLS, Stalls(inputs=0.3, outputs=0.4, seed=13)):
+        run(engine("compiled", InStep, parameters), given, expected, stalls)
 
 
 @both
@@ -197,6 +213,22 @@ def test_thresholds_are_kept_until_the_last_result_is_taken() -> None:
     capture = check("none", frames, [(1000, 4), (2000, 2)])
     last_results = np.cumsum([4, 2]) - 1
     assert np.array_equal(capture.input_clocks["thresholds"], capture.output_clocks["o"][last_results])
+
+
+@both
+def test_reset_in_mid_window_leaves_nothing_of_what_was_before(kind: ResponseFilter) -> None:
+    before, after = noise([(20, 21), (14, 15)], FULL, 6)
+    old, _ = streams(kind, [before], [(9, 4)])
+    new, expected = streams(kind, [after], [(20_000, 4)])
+    for cut in (1, 9, 30, 100):
+        beats = {
+            "i": np.concatenate([old["i"][:cut], new["i"]]),
+            # the first is on offer when reset comes, and lost
+            "thresholds": np.concatenate([old["thresholds"], new["thresholds"]]),
+        }
+        stimulus = Stimulus(beats, [], NO_STALLS, reset_after=cut)
+        words = engine("compiled", InStep, built(kind)).run(stimulus, quiet=200).outputs["o"]
+        same("o", words[len(words) - len(expected["o"]) :], expected["o"])
 
 
 def test_latency() -> None:

@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from flow.verilog import emit_verilog
 from golden import Parameters, Settings, StreamModel, decode_frame_end, profile
 from golden.parameters import SUPPORT, WINDOW_SIZE
+from hdl.adaptive_threshold import AdaptiveThreshold
 from hdl.centre_rows import CentreRows
 from hdl.corner_detection import CornerDetection
 from hdl.detector import Detector
+from hdl.response_filter import ResponseFilter
 from hdl.subpixel import Subpixel
 from hdl.surface import SurfaceFit
 from hdl.texture_filter import TextureFilter
@@ -49,17 +51,26 @@ MIXTURES = {
         "paper", **SMALL, buffering="lean", fit="six", patches="pixels", sqrt_bits_per_stage=3
     ),
     "robust banked, six samples": profile(
-        "robust", **SMALL, buffering="banked", fit="six", sqrt_bits_per_stage=2
+        "robust", **SMALL, buffering="banked", fit="six", texture="patches", sqrt_bits_per_stage=2
     ),
-    "paper, gradient step": profile("paper", **SMALL, fit="gradient"),
+    "paper, gradient step, adaptive threshold": profile("paper", **SMALL, fit="gradient", texture="mean"),
     "robust, nine samples": profile("robust", **SMALL, fit="nine"),
+    "robust but for its response filter": profile("robust", **SMALL, response_filter="none"),
     "10-bit pixels": profile("robust", **SMALL, pixel_bits=10, sqrt_bits_per_stage=4),
     "4-bit pixels": profile(
-        "paper", **SMALL, pixel_bits=4, ties="first", suppression=2, sqrt_bits_per_stage=17
+        "paper",
+        **SMALL,
+        pixel_bits=4,
+        derivative="sobel",
+        ties="first",
+        suppression=2,
+        sqrt_bits_per_stage=17,
     ),
     "paper with budget": profile("paper", **SMALL, budget=True),
-    "robust with budget, suppression": profile("robust", **SMALL, budget=True, suppression=3, fit="nine"),
-    "gradient step with budget, suppression": profile("robust", **SMALL, budget=True, suppression=4),
+    "nine samples with budget, suppression": profile(
+        "robust", **SMALL, budget=True, suppression=4, fit="nine", response_filter="none"
+    ),
+    "robust with budget, suppression": profile("robust", **SMALL, budget=True, suppression=3),
 }
 STALLS = {
     "none": Stalls(),
@@ -355,6 +366,7 @@ def test_latency_is_the_sum_of_the_blocks(parameters: Parameters) -> None:
 @pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
 def test_what_moves_in_step_is_equally_long(parameters: Parameters) -> None:
     late = CentreRows.latency
+    assert ResponseFilter.latency == late and AdaptiveThreshold.latency == TextureFilter.latency
     assert TextureFilter.latency == late + CornerDetection.latency == late + SurfaceFit.latency
 
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -29,38 +31,46 @@ from tests.hdl.blocks import (
     unpack,
 )
 
-SIGNED = Parameters(gradient="signed")
+SIGNED = Parameters(gradient="signed", response_filter="binomial", fit="gradient")
 FULL = SIGNED.response_max
 
 
 def check(
-    frames: list[Array], name: EngineName = "compiled", stalls: Stalls = NO_STALLS, pixel_bits: int = 8
+    frames: list[Array],
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+    pixel_bits: int = 8,
+    radius: int = 1,
 ) -> Capture:
-    parameters = Parameters(pixel_bits=pixel_bits, gradient="signed")
+    parameters = replace(SIGNED, pixel_bits=pixel_bits, suppression=radius)
     block = ResponseFilter(parameters)
-    inner = [response_filter(frame, "binomial")[2:-2, 2:-2] for frame in frames]
+    edge = 3 - radius
+    inner = [response_filter(frame) for frame in frames]
+    inner = [frame[edge : len(frame) - edge, edge : frame.shape[1] - edge] for frame in inner]
     capture = run(
         engine(name, ResponseFilter, parameters),
         {"i": pack(block.i.payload.shape(), columns(frames, 9))},
-        {"o": pack(block.o.payload.shape(), columns(inner, 3))},
+        {"o": pack(block.o.payload.shape(), columns(inner, 2 * radius + 1))},
         stalls,
     )
     if stalls == NO_STALLS:
         sizes = [(len(frame) - 8, frame.shape[1]) for frame in frames]
-        # three columns past the one that comes out
-        assert_timing(capture, block.latency, completing(sizes, 7))
+        # columns past the one that comes out
+        assert_timing(capture, block.latency, completing(sizes, 9 - 2 * radius))
     return capture
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
-def test_noise(name: EngineName, stalls: Stalls) -> None:
+@pytest.mark.parametrize("radius", [1, 2, 3])
+def test_noise(radius: int, name: EngineName, stalls: Stalls) -> None:
     sizes = [(20, 30), (9, 9), (12, 7), (9, 40), (10, 8), (11, 17)]
-    check(noise(sizes if name == "compiled" else [(9, 9), (10, 12), (11, 7), (9, 10)], FULL), name, stalls)
+    frames = noise(sizes if name == "compiled" else [(9, 9), (10, 12), (11, 7), (9, 10)], FULL)
+    check(frames, name, stalls, radius=radius)
 
 
 @pytest.mark.parametrize("pixel_bits", [4, 8, 10])
 def test_extremes(pixel_bits: int) -> None:
-    full = Parameters(pixel_bits=pixel_bits, gradient="signed").response_max
+    full = replace(SIGNED, pixel_bits=pixel_bits).response_max
     check(extremes((11, 20), full), pixel_bits=pixel_bits)
 
 

@@ -26,6 +26,7 @@ BUILDS = {
     "robust-lean": profile("robust", **SMALL),
     "paper-banked-video": profile("paper", video_out=True, **ODD),
     "robust-lean-video": profile("robust", video_out=True, **SMALL),
+    "robust-budget": profile("robust", budget=True, suppression=2, **SMALL),
     "mixture": Parameters(
         pixel_bits=10,
         gradient="signed",
@@ -56,6 +57,11 @@ SHORT: dict[str, dict[str, list[str]]] = {
         "settings": ["max_records", "soft_reset", "input_idle", "output_stalled"],
         "malformed": ["early_sof_right_after_a_frame/pauses=0.0"],
         "stress": ["stress"],
+    },
+    "robust-budget": {
+        "registers": ["after_reset/bus=0.5"],
+        "budget": ["max_corners", "target_corners/stall=0.6", "reset_forgets", "bytes_of_budget"],
+        "malformed": ["early_sof_right_after_a_frame/pauses=0.35"],
     },
     "robust-lean-video": {
         "matrix": ["matrix/frame_size=maximum/idle=0.0/stall=0.0", "without_software"],
@@ -115,7 +121,11 @@ def test_short(build: str, tmp_path: Path) -> None:
         # one worker for all of a build, so that it is built once
         pytest.param(build, module, marks=pytest.mark.xdist_group(build), id=f"{build}-{module}")
         for build, parameters in BUILDS.items()
-        for module in (*MODULES, *(("video",) if parameters.video_out else ()))
+        for module in (
+            *MODULES,
+            *(("video",) if parameters.video_out else ()),
+            *(("budget",) if parameters.budget else ()),
+        )
     ],
 )
 def test_everything(build: str, module: str, tmp_path: Path, record_property: pytest.RecordProperty) -> None:

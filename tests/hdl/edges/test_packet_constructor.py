@@ -129,3 +129,37 @@ def test_clear_counts_anew_but_leaves_the_output() -> None:
         assert not context.get(dut.any_results) and context.get(dut.results.frames) == 0
 
     simulate(dut, bench)
+
+
+def test_what_the_detector_left_out_is_found_and_dropped() -> None:
+    """Two records of seven; and with a limit here one of two of seven."""
+    for most, records in ((9, [11, 12]), (1, [11])):
+        dut = PacketConstructor(budget=True)
+        seen: Counter[str] = Counter()
+        out: list[int] = []
+
+        async def bench(
+            context: Any, dut: Any = dut, most: int = most, seen: Counter[str] = seen, out: list[int] = out
+        ) -> None:
+            context.set(dut.o.ready, 1)
+            context.set(dut.max_records, most)
+            beats = [(11, 0), (12, 0), (encode_frame_end(FrameEnd(2, 0, 5)), 1)]
+            beats += [(encode_frame_end(FrameEnd(0, 1, 6)), 1)]
+            for number, (word, last) in enumerate(beats):
+                context.set(dut.i.valid, 1)
+                context.set(dut.i.payload, {"record": word, "last": last})
+                context.set(dut.found, 7 if number < 3 else 0)
+                counted(context, dut.events, seen)
+                await context.tick()
+                if context.get(dut.o.valid):
+                    out.append(context.get(dut.o.payload.record))
+                if number == 2:
+                    assert context.get(dut.results.corners) == 7
+                    assert context.get(dut.results.dropped) == 7 - min(most, 2)
+            context.set(dut.i.valid, 0)
+            counted(context, dut.events, seen)
+            assert context.get(dut.results.corners) == context.get(dut.results.dropped) == 0
+
+        simulate(dut, bench)
+        assert out[: len(records)] == records and len(out) == len(records) + 2
+        assert seen["frame_done"] == 2 and seen["records_dropped"] == 1 + (most == 1)

@@ -1,0 +1,114 @@
+"""Limit and target through registers: what is reported, what is counted, what is kept and what is forgotten."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cocotb
+
+from golden.preprocessing import Image
+from golden.video import Event, marked
+from tests.benches.axi import ROUNDS, Bench, draw, usual
+from tests.benches.common import Dut
+
+LARGE = 1 << 16
+
+
+async def aim(bench: Bench, **budget: int) -> None:
+    """A small frame, thresholds that let many corners pass, and this budget."""
+    await usual(bench, 37, 29)
+    settings = replace(bench.video.settings, report_rejected=False, sigma2=15.0, **budget)
+    await bench.configure(replace(bench.video, settings=settings))
+
+
+async def check_adapted(bench: Bench) -> None:
+    """ADAPTED is what the model will start the next frame with."""
+    fields, known = await bench.fields("ADAPTED"), bench.model.adapted
+    assert fields["adapted"] == (known is not None), fields
+    assert known is None or fields["adapted_t1"] == known, (fields, known)
+
+
+@cocotb.test(timeout_time=3, timeout_unit="ms")
+async def max_corners(dut: Dut) -> None:
+    """No packet has more, CORNERS and DROPPED count the others, and MAX_RECORDS may be less still."""
+    bench = Bench(dut, idle=0.05)
+    await bench.start()
+    await aim(bench)
+    image = bench.squares(draw())
+    bench.send(image)
+    bench.send(image)
+    found = bench.expected[-1].found
+    assert found > 4
+    await bench.check()
+    for most, records in (
+        (1, 99),
+        (found - 1, 99),
+        (found, 99),
+        (found + 1, 99),
+        (3, 2),
+        (2, 3),
+        (LARGE - 1, 0),
+    ):
+        await aim(bench, max_corners=most)
+        await bench.configure(replace(bench.video, max_records=records))
+        bench.send(image)
+        packet = bench.expected[-1]
+        assert packet.found == found and len(packet.records) - 1 == min(found, most, records)
+        assert bool(bench.model.events & Event.RECORDS_DROPPED) == (min(most, records) < found)
+        await bench.check()
+        await bench.check_results(packet)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+@cocotb.parametrize(stall=[0.0, 0.6])
+async def target_corners(dut: Dut, stall: float) -> None:
+    """Frames back to back, some cut, with targets that change; T1 outlives what is cut."""
+    bench, random_ = Bench(dut, stall=stall), draw()
+    await bench.start()
+    for _ in range(3 * ROUNDS):
+        for target in (4, 9, 0, 3):
+            await aim(bench, target_corners=target, max_corners=int(random_.choice([0, 7])))
+            images: list[Image] = [bench.squares(random_), bench.image(random_), bench.squares(random_)]
+            bench.send(images[0])
+            bench.send(marked(images[1])[: int(random_.integers(1, images[1].size))])
+            bench.send(images[1])
+            bench.send(images[2])
+            await bench.check()
+            await check_adapted(bench)
+    assert bench.model.adapted
+
+
+@cocotb.test(timeout_time=3, timeout_unit="ms")
+async def reset_forgets(dut: Dut) -> None:
+    """A soft reset, in a frame and between two, even while the output is held up: the next frame is the first."""
+    bench, random_ = Bench(dut), draw()
+    await bench.start()
+    await aim(bench, target_corners=3)
+    for within in (False, True, False):
+        first, second = bench.squares(random_), bench.squares(random_)
+        bench.send(first)
+        bench.send(second)
+        await bench.check()
+        assert bench.model.adapted
+        await check_adapted(bench)
+        if within:
+            bench.send(marked(first)[:700])
+            await bench.quiet()
+        await bench.soft_reset()
+        await bench.quiet()
+        bench.received()
+        bench.forget()
+        bench.model.events |= Event.FRAME_CUT if within else Event(0)
+        await check_adapted(bench)
+        bench.send(second)
+        bench.send(first)
+        await bench.check()
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def bytes_of_budget(dut: Dut) -> None:
+    bench = Bench(dut)
+    await bench.start()
+    await bench.write_fields("BUDGET", max_corners=0x1234, target_corners=0xABCD)
+    assert await bench.read("BUDGET") == 0xABCD_1234
+    assert await bench.fields("BUDGET") == {"max_corners": 0x1234, "target_corners": 0xABCD}
