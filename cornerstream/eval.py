@@ -144,13 +144,16 @@ def _page(result: Record, folder: Path) -> dict[Path, bytes]:
 
 
 def _write(result: Record, folder: Path, chosen: dict[str, Parameters]) -> None:
-    files = {folder / FIGURES_NAME: figures_text(result).encode()} | _page(result, folder)
+    # first, because they took minutes, and the page can be written from them
+    figures = {folder / FIGURES_NAME: figures_text(result).encode()}
+    write_all(figures)
+    files = _page(result, folder)
     if {"accuracy", "table5", "chessboards", "repeatability"} <= set(result):
         with console.activity("drawing pictures"):
             drawn = pictures(chosen)
         files |= {folder / PICTURES / name: content for name, content in drawn.items()}
     write_all(files)
-    console.files_written(list(files))
+    console.files_written([*figures, *files])
 
 
 def figures_text(result: Record) -> str:
