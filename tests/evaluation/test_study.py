@@ -18,6 +18,7 @@ from cornerstream import eval_tables
 from cornerstream.cli import main
 from cornerstream.eval import figures_text
 from evaluation import scenes, study
+from evaluation.accuracy import paper_scenes
 from evaluation.plots import plots
 from evaluation.scenes import KINDS
 from evaluation.sources import STRUCTURE, TEXTURE, NamedImage, Pair
@@ -46,8 +47,9 @@ def own() -> Own:
 def measured() -> Record:
     """Everything, on two crops; measured once."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(scenes, "ORIENTATIONS", (0, 60))
+        patch.setattr(scenes, "ORIENTATIONS", (60,))
         patch.setattr("evaluation.bootstrap.RESAMPLES", 5)
+        patch.setattr("evaluation.accuracy._elsewhere", lambda positions: iter(paper_scenes()[:2]))
         patch.setattr(study, "rendered_boards", lambda quick: study.boards.rendered_boards(quick=True)[:1])
         return study.study(quick=True, own=own())
 
