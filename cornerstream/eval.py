@@ -98,6 +98,8 @@ def evaluate(
       cornerstream eval --only chessboards --boards boards/ --board-size 9x6
       cornerstream eval --output build/evaluation
     """
+    if (output or page_only) and importlib.util.find_spec("matplotlib") is None:
+        raise BadInput("matplotlib is not installed; get it with: pip install 'cornerstream[eval]'")
     if page_only:
         folder = output or Path("docs")
         files = _page(read_figures(folder / FIGURES_NAME), folder)
@@ -142,15 +144,16 @@ def _page(result: Record, folder: Path) -> dict[Path, bytes]:
 
 
 def _write(result: Record, folder: Path, chosen: dict[str, Parameters]) -> None:
-    if importlib.util.find_spec("matplotlib") is None:
-        raise MissingPackageError("matplotlib is not installed: pip install 'cornerstream[eval]'")
-    files = {folder / FIGURES_NAME: figures_text(result).encode()} | _page(result, folder)
+    # first, because they took minutes, and the page can be written from them
+    figures = {folder / FIGURES_NAME: figures_text(result).encode()}
+    write_all(figures)
+    files = _page(result, folder)
     if {"accuracy", "table5", "chessboards", "repeatability"} <= set(result):
         with console.activity("drawing pictures"):
             drawn = pictures(chosen)
         files |= {folder / PICTURES / name: content for name, content in drawn.items()}
     write_all(files)
-    console.files_written(list(files))
+    console.files_written([*figures, *files])
 
 
 def figures_text(result: Record) -> str:

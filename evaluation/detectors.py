@@ -177,14 +177,15 @@ class Memory:
     """Corners that were asked for before, by detector, image and thresholds."""
 
     def __init__(self) -> None:
-        self._kept: dict[tuple[str, str, Thresholds, bool], Points] = {}
+        # an image is known by its identity, which is its own only as long as it is kept
+        self._kept: dict[tuple[str, int, Thresholds, bool], tuple[Image, Points]] = {}
 
-    def corners(self, detector: Detector, name: str, image: Image, at: Thresholds, ranked: bool) -> Points:
-        """``detector.ranked`` or ``.at`` of the image of this name."""
-        key = (detector.name, name, at, ranked)
+    def corners(self, detector: Detector, image: Image, at: Thresholds, ranked: bool) -> Points:
+        """``detector.ranked`` or ``.at`` of this very array."""
+        key = (detector.name, id(image), at, ranked)
         if key not in self._kept:
-            self._kept[key] = detector.ranked(image, at) if ranked else detector.at(image, at)
-        return self._kept[key]
+            self._kept[key] = image, detector.ranked(image, at) if ranked else detector.at(image, at)
+        return self._kept[key][1]
 
 
 PIXELS_PER_CORNER = 600

@@ -99,13 +99,11 @@ class Visible:
         self._memory = memory
 
     def __call__(self, detector: Detector, thresholds: Thresholds, ranked: bool) -> tuple[Points, Points]:
-        pair = self.pair
-        names = (f"{pair.scene} first", f"{pair.scene} {pair.name}")
         first, second = (
-            self._memory.corners(detector, name, image, thresholds, ranked)
-            for name, image in zip(names, (pair.first, pair.second), strict=True)
+            self._memory.corners(detector, image, thresholds, ranked)
+            for image in (self.pair.first, self.pair.second)
         )
-        return visible(pair, first, second)
+        return visible(self.pair, first, second)
 
 
 def corners_of(seen: Visible, detectors: list[Detector], mode: Mode) -> dict[str, tuple[Points, Points]]:

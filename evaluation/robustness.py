@@ -62,10 +62,9 @@ def score(pair: Pair, points: Points, tracks: Tracks) -> Score:
 
 def corners_of(pair: Pair, detectors: list[Detector], mode: Mode, memory: Memory) -> dict[str, Points]:
     """By the detector's name, the corners of the first view that count; of equal number if the mode says so."""
-    name = f"{pair.scene} first"
 
     def ask(detector: Detector, ranked: bool) -> Points:
-        return memory.corners(detector, name, pair.first, mode.thresholds, ranked)
+        return memory.corners(detector, pair.first, mode.thresholds, ranked)
 
     found = {detector.name: ask(detector, mode.equal) for detector in detectors}
     if not mode.equal:

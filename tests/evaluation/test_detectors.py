@@ -83,10 +83,10 @@ def test_memory_asks_once(camera: NDArray[np.uint8]) -> None:
 
     memory, detector = Memory(), Counting()
     for _ in range(3):
-        memory.corners(detector, "camera", camera, USUAL, True)
+        memory.corners(detector, camera, USUAL, True)
     assert Counting.asked == 1
-    memory.corners(detector, "another", camera, USUAL, True)
-    memory.corners(detector, "camera", camera, PAPER, True)
+    memory.corners(detector, camera.copy(), USUAL, True)
+    memory.corners(detector, camera, PAPER, True)
     assert Counting.asked == 3
 
 

@@ -18,6 +18,7 @@ from cornerstream import eval_tables
 from cornerstream.cli import main
 from cornerstream.eval import figures_text
 from evaluation import scenes, study
+from evaluation.accuracy import paper_scenes
 from evaluation.plots import plots
 from evaluation.scenes import KINDS
 from evaluation.sources import STRUCTURE, TEXTURE, NamedImage, Pair
@@ -46,8 +47,9 @@ def own() -> Own:
 def measured() -> Record:
     """Everything, on two crops; measured once."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(scenes, "ORIENTATIONS", (0, 60))
+        patch.setattr(scenes, "ORIENTATIONS", (60,))
         patch.setattr("evaluation.bootstrap.RESAMPLES", 5)
+        patch.setattr("evaluation.accuracy._elsewhere", lambda positions: iter(paper_scenes()[:2]))
         patch.setattr(study, "rendered_boards", lambda quick: study.boards.rendered_boards(quick=True)[:1])
         return study.study(quick=True, own=own())
 
@@ -264,6 +266,16 @@ def test_missing_opencv_is_said_in_a_line(
         result.stderr.strip()
         == "Error: OpenCV is not installed; get it with: pip install 'cornerstream[eval]'"
     )
+
+
+def test_missing_matplotlib_is_said_before_anything_is_measured(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    for arguments in (["--page"], ["--output", "made"]):
+        result = run(*arguments)
+        assert result.exit_code == 2 and not (folder / "made").exists()
+        assert result.stderr.startswith("Error: matplotlib is not installed; get it with: pip install")
 
 
 def test_help_has_examples() -> None:
