@@ -133,7 +133,8 @@ class Adaptation(wiring.Component):
         # as the corner two clocks ahead, or three, whose sum is not in the memory yet when this one's count is read
         ahead = (number == number_4) & counted_4 | (number == number_5) & counted_5
         same_4 = _later(m, ahead, 2, "same")
-        count, total = Signal(BUDGET_BITS), Signal(BUDGET_BITS)
+        # without reset it can be the memory's own output register
+        count, total = Signal(BUDGET_BITS, reset_less=True), Signal(BUDGET_BITS)
         before = Mux(same_4, total, count)
         before_5, more_5 = _later(m, before, 1, "before"), _later(m, ~before.all(), 1, "more")
         m.d.comb += [
