@@ -11,9 +11,11 @@ import pytest
 from golden import Parameters, Settings, StreamModel, profile
 from sim.frames import Frame, frame_stimulus
 from sim.stimulus import Stalls, Stimulus
-from tests.hdl.test_detector import MIXTURES, engine, noise, run
+from tests.hdl.test_detector import MIXTURES, SMALL, engine, noise, run
 
 BUDGETS = {name: parameters for name, parameters in MIXTURES.items() if parameters.budget}
+# the longest way from the last response to the last window
+BUDGETS["robust banked"] = profile("robust", **SMALL, buffering="banked", budget=True)
 
 
 @pytest.mark.parametrize("parameters", BUDGETS.values(), ids=BUDGETS.keys())
