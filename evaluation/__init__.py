@@ -1,1 +1,1 @@
-"""How good it is: speed now, accuracy and repeatability to come beside it."""
+"""How good it is: accuracy, repeatability, robustness, speed; the paper's tables beside ours."""
