@@ -33,7 +33,7 @@ def pictures(profiles: dict[str, Parameters]) -> dict[str, bytes]:
     return {
         "placements.png": _scenes(_chosen(), parameters, columns=6),
         "table5.png": _scenes(paper_scenes(), parameters, columns=4),
-        "chessboard.png": _board(parameters),
+        "chessboard.jpg": _board(parameters),
         "repeated.jpg": _repeated(profiles),
     }
 
@@ -98,7 +98,7 @@ def _board(parameters: Parameters) -> bytes:
         axes.set_xlim(x - _REACH, x + _REACH)
         axes.set_ylim(y + _REACH, y - _REACH)
     _legend(drawn, details[0])
-    return encoded(drawn)
+    return encoded(drawn, "jpg")
 
 
 def _legend(drawn: Figure, axes: Axes) -> None:

@@ -202,7 +202,7 @@ def _texture(steps: Record) -> Figure:
                 axes.errorbar(ends[0], height, xerr=spread, fmt="o", markersize=4, color=shade, label=label)
         axes.axvline(0, color="black", linewidth=0.8)
         axes.set_yticks(range(len(names)), names)
-        axes.invert_yaxis()
+        axes.set_ylim(len(names) - 0.5, -0.5)
         axes.set_xlabel(f"gain over {PLAIN}, %")
         axes.set_title(f"{measure}, equal numbers", fontsize="small")
         _own(axes)

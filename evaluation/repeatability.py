@@ -14,7 +14,6 @@ from evaluation.bootstrap import Values, estimate, mean, plain, relative_gain
 from evaluation.detectors import (
     MODES,
     PLAIN,
-    PLAIN_PARAMETERS,
     WITHOUT,
     Detector,
     Memory,
@@ -25,6 +24,7 @@ from evaluation.detectors import (
     budget,
 )
 from evaluation.sources import Pair
+from golden import PROFILES
 from golden.parameters import MARGIN, Fit
 
 Record = dict[str, Any]
@@ -206,8 +206,8 @@ def _by_view(pairs: list[Pair], found: list[Score]) -> Record:
 
 
 def by_fit() -> list[Detector]:
-    """The corners that plain ranking by D gives, placed by each fit."""
-    return [Ours(str(fit), replace(PLAIN_PARAMETERS, fit=fit), filtered=False) for fit in get_args(Fit)]
+    """The corners of ``robust``, placed by each fit."""
+    return [Ours(str(fit), replace(PROFILES["robust"], fit=fit)) for fit in get_args(Fit)]
 
 
 CURVE = (3000, 1500, 750, 375)

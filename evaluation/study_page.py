@@ -234,7 +234,7 @@ def _mode_rows(each: Record, groups: list[str], measure: str, other: str | None)
         yield cells
 
 
-def _texture(found: Record) -> str:
+def _texture(found: Record) -> Record:
     rows = []
     for name, measures in found["steps"].items():
         cells = [name, number(measures["repeatability"]["all"]["corners"])]
@@ -245,7 +245,12 @@ def _texture(found: Record) -> str:
         rows.append(cells)
     parts = ("all", TEXTURE, STRUCTURE)
     headings = [f"{words}: {part}" for words in ("repeatability", "ρ") for part in parts]
-    return table(["each with those before it", "corners", *headings], rows)
+    last = found["steps"][list(found["steps"])[-1]]
+    gains = {
+        measure: percent(last[measure].get(TEXTURE, last[measure]["all"])["gain"])
+        for measure in ("repeatability", "rho")
+    }
+    return {"table": table(["each with those before it", "corners", *headings], rows), **gains}
 
 
 def _adaptation(found: Record) -> Record:

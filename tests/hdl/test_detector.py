@@ -187,7 +187,7 @@ def test_one_pixel_per_clock(parameters: Parameters, size: tuple[int, int]) -> N
 
 @pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
 def test_black_and_white_noise_does_not_wait(parameters: Parameters) -> None:
-    """As dense as corners come in nature and beyond it: one in about 31 pixels, in 50 with a response filter."""
+    """Denser than corners come in nature: one in about 31 pixels, or 50 where responses are smoothed."""
     frames = [
         ((noise(64, 64, seed, parameters) > parameters.pixel_max // 2) * parameters.pixel_max).astype(
             noise(1, 1, 0, parameters).dtype
