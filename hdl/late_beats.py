@@ -20,7 +20,7 @@ class LateBeats(wiring.Component):
     shape
         Of the payload.
     clocks
-        How much later.
+        How much later, from 1.
 
     Members
     -------
@@ -36,11 +36,12 @@ class LateBeats(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
-        m.submodules.line = line = DelayLine(len(Value.cast(self.i.payload)), self.latency)
+        # its last register stands by itself, because the line is block RAM and so far away
+        m.submodules.line = line = DelayLine(len(Value.cast(self.i.payload)), self.latency - 1)
         m.d.comb += [
             line.enable.eq(pipe.advance),
             line.i.eq(self.i.payload),
-            Value.cast(self.o.payload).eq(line.o),
+            Value.cast(self.o.payload).eq(pipe.register(line.o, "last")),
             self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
         ]
         return m
