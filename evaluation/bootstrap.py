@@ -36,10 +36,10 @@ def interval(
 
     Returns
     -------
-    Low and high end; NaN where there are no values.
+    Low and high end; NaN where fewer than two images have values: one says nothing of the spread.
     """
     groups = _columns(groups)
-    if not groups or not sum(map(len, groups)):
+    if sum(len(group) > 0 for group in groups) < 2:
         return float("nan"), float("nan")
     random = np.random.default_rng(seed)
     draws = random.integers(len(groups), size=(resamples or RESAMPLES, len(groups)))
@@ -71,7 +71,8 @@ def estimate(groups: Sequence[Values], statistic: Statistic, **options: Any) -> 
     value = plain(float(statistic(np.concatenate(groups))))
     if value is None:
         return {"value": None, "interval": None}
-    return {"value": value, "interval": [plain(end) for end in interval(groups, statistic, **options)]}
+    low, high = (plain(end) for end in interval(groups, statistic, **options))
+    return {"value": value, "interval": None if low is None or high is None else [low, high]}
 
 
 def plain(value: float) -> float | None:

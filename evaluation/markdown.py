@@ -38,5 +38,8 @@ def percent(estimate: dict[str, Any] | None) -> str:
     """A relative gain with its interval: +8 % [+6, +10]."""
     if estimate is None or estimate["value"] is None:
         return "–"
-    value, (low, high) = estimate["value"], estimate["interval"]
-    return f"{100 * value:+.0f} % [{100 * low:+.0f}, {100 * high:+.0f}]"
+    text = f"{100 * estimate['value']:+.0f} %"
+    if estimate["interval"] is None:
+        return text
+    low, high = estimate["interval"]
+    return f"{text} [{100 * low:+.0f}, {100 * high:+.0f}]"

@@ -90,7 +90,7 @@ def _bars(axes: Axes, places: np.ndarray, estimates: list[Record], **style: Any)
     for place, each in zip(places, estimates, strict=True):
         if each["value"] is None:
             continue
-        low, high = each["interval"]
+        low, high = each["interval"] or [each["value"]] * 2
         ends = [[max(each["value"] - low, 0)], [max(high - each["value"], 0)]]
         axes.bar(place, each["value"], yerr=ends, capsize=2, error_kw={"linewidth": 1}, **style)
         style.pop("label", None)
@@ -195,7 +195,7 @@ def _texture(steps: Record) -> Figure:
                 gain = steps[name][measure][part]["gain"]
                 if gain["value"] is None:
                     continue
-                ends = [100 * end for end in (gain["value"], *gain["interval"])]
+                ends = [100 * end for end in (gain["value"], *(gain["interval"] or [gain["value"]] * 2))]
                 spread = [[max(ends[0] - ends[1], 0)], [max(ends[2] - ends[0], 0)]]
                 label = part if not place else None
                 height = place + (index - 1) * 0.2

@@ -39,8 +39,8 @@ Notify = Callable[[int], None]
 Responses = Callable[[NDArray[np.uint8]], IntArray]
 
 KINDS: tuple[Kind, ...] = ("L", "saddle")
-EVERY = 6
-"""Of the wide set's scenes, one of so many."""
+EVERY = 7
+"""Of the wide set's scenes, one of so many: coprime to the number of noises and polarities, which alternate."""
 TENSOR_BITS = (16, 14, 12, 10)
 RESPONSE_CUTS = (0, 1, 2, 4)
 MANTISSAS = (8, 10, 11, 12, 13, 14)

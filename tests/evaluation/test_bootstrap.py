@@ -54,6 +54,11 @@ def test_images_without_corners() -> None:
     assert some["value"] == 2 and some["interval"][0] >= 1 and some["interval"][1] <= 3
 
 
+def test_one_image_has_no_spread() -> None:
+    alone = estimate([np.array([1.0, 2.0, 6.0]), np.empty(0)], mean)
+    assert alone == {"value": 3, "interval": None}
+
+
 def test_statistics() -> None:
     values = np.arange(101.0)[:, None]
     assert (mean(values), median(values), percentile_95(values)) == (50, 50, 95)
