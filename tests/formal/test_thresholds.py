@@ -117,7 +117,7 @@ THRESHOLDS = Claim(
     small=variant(
         hdl.thresholds,
         {
-            "import BUDGET_BITS, SIGMA2_INTEGER_BITS, SIGMA_BITS, P": "import BUDGET_BITS, P",
+            "    SIGMA2_INTEGER_BITS,\n    SIGMA_BITS,\n": "",
             "SIGMA2_BITS = ": "SIGMA_BITS, SIGMA2_INTEGER_BITS = 2, 1\nSIGMA2_BITS = ",
         },
     ),
