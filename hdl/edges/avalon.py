@@ -1,3 +1,5 @@
+# amaranth: UnusedElaboratable=no
+# the parts are made at once, because ports and register map are theirs, and elaborated perhaps never
 """The core with Avalon edges, for Intel's Platform Designer: Avalon-ST Video in, Avalon-ST records out, Avalon-MM."""
 
 from __future__ import annotations

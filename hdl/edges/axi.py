@@ -1,3 +1,5 @@
+# amaranth: UnusedElaboratable=no
+# the parts are made at once, because ports and register map are theirs, and elaborated perhaps never
 """The core with AXI edges: AXI4-Stream video in (AMD UG934), AXI4-Stream records out, AXI4-Lite registers."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# amaranth: UnusedElaboratable=no
+# the parts are made at once, because ports and register map are theirs, and elaborated perhaps never
 """The core behind its edges: the guarded detector and its registers, before any bus."""
 
 from __future__ import annotations
