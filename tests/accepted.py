@@ -7,7 +7,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from golden import Parameters
-from golden.detector import corner_map, response_map
+from golden.adaptive_threshold import adaptive_threshold
+from golden.detector import corner_map, peak_responses, response_map
 from golden.parameters import MARGIN, WINDOW_SIZE
 from golden.preprocessing import Image
 from golden.texture_filter import texture_filter
@@ -18,9 +19,13 @@ def accepted(image: Image, limits: Thresholds, parameters: Parameters) -> NDArra
     """Where a whole pixel is a corner that the texture filter lets pass."""
     responses = response_map(image, parameters)
     corners = corner_map(responses, limits.t1, parameters)
-    plain = texture_filter(
-        sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE)), limits.t2, parameters.patches
-    )
+    windows = sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))
+    if parameters.texture == "mean":
+        around = parameters.suppression
+        peaks = peak_responses(responses, parameters)[around:-around, around:-around]
+        plain, _ = adaptive_threshold(peaks, windows, limits.t1, limits.t2)
+    else:
+        plain = texture_filter(windows, limits.t2, parameters.patches)
     result = np.zeros(image.shape, bool)
     result[MARGIN:-MARGIN, MARGIN:-MARGIN] = corners & plain
     return result
