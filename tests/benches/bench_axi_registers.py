@@ -50,6 +50,9 @@ def reset_values(bench: Bench) -> dict[int, int]:
         | p.pixel_bits << 4
         | sum(flag << (8 + k) for k, flag in enumerate(flags))
         | profiles.get(built, 0) * (p.suppression == 1) << 16
+        | (p.derivative == "sobel") << 20
+        | (p.response_filter == "binomial") << 21
+        | (p.texture == "mean") << 22
         | (p.suppression * (p.suppression > 1)) << 28
         | p.budget << 31,
         0x0C: p.max_height << 16 | p.max_width,
