@@ -19,7 +19,7 @@ from tests.malformed import Random, marked
 
 async def configure(bench: Bench, random_: Random, width: int, height: int, **changes: int) -> None:
     # either filter lets some pass and others not
-    sigma2 = 1.875 if bench.parameters.texture == "mean" else 1.0
+    sigma2 = 1.375 if bench.parameters.texture == "mean" else 1.0
     settings = Settings.default(bench.parameters, sigma1=0.02, sigma2=sigma2, report_rejected=True)
     await bench.configure(VideoSettings(width, height, settings, **changes))
 
