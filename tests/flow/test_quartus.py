@@ -125,7 +125,8 @@ def test_no_record_depends_on_reading_during_writing(tmp_path: Path, name: str, 
     frames += [(squares(*size), every) for size in ((40, 3), (23, 3), (40, 3), (38, 4))]
     model = StreamModel(parameters)
     expected = [model.process(*frame).records for frame in frames]
-    assert sum(map(len, expected)) > 60
+    # smoothed responses have fewer peaks
+    assert sum(map(len, expected)) > 40
     # the last one makes the reading side of the buffers wait for the records, until the writing side catches up
     for stalls in (Stalls(), Stalls(0.4, 0.4, seed=2), Stalls(0.0, 0.995, seed=3)):
         result = simulate_frames(engine, frames, parameters, stalls=stalls, max_clocks=500_000)
