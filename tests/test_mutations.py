@@ -121,8 +121,8 @@ MUTATIONS = {
     ),
     "T1 is shifted by one bit": Mutation(
         "hdl/thresholds.py",
-        "t1.eq(product1[SIGMA_BITS:])",
-        "t1.eq(product1[SIGMA_BITS - 1 :])",
+        "reference, product1[SIGMA_BITS:]",
+        "reference, product1[SIGMA_BITS + 1 :]",
         "tests/hdl/test_thresholds.py",
         "by_hand and amaranth",
     ),
@@ -169,8 +169,8 @@ MUTATIONS = {
     ),
     "equal neighbours are maxima in the golden model": Mutation(
         "golden/corner_detection.py",
-        "(centre > gamma)",
-        "(centre >= gamma)",
+        "(centre > earlier)",
+        "(centre >= earlier)",
         "tests/golden/test_corner_detection.py",
     ),
     "a box of the texture filter has a wrong row": Mutation(
@@ -277,9 +277,9 @@ MUTATIONS = {
         "amaranth-unstalled",
     ),
     "corners do not wait for their equations": Mutation(
-        "hdl/detector.py",
-        "self._equations.latency - self._texture_filter.latency",
-        "self._equations.latency - self._texture_filter.latency - 1",
+        "hdl/window_chain.py",
+        "equations - corners.latency - rows",
+        "equations - corners.latency - rows - 1",
         "tests/hdl/test_detector.py",
         "size1 and latency_without or (photographs and robust and text)",
     ),
