@@ -61,7 +61,7 @@ def check(
     )
     if stalls == NO_STALLS:
         sizes = [(len(frame) - WINDOW_SIZE + 1, frame.shape[1]) for frame in frames]
-        assert_timing(capture, Suppression.latency, completing(sizes, WINDOW_SIZE))
+        assert_timing(capture, block.latency, completing(sizes, WINDOW_SIZE))
         ends = np.cumsum([height * width for height, width in sizes]) - 1
         assert np.array_equal(capture.input_clocks["t1"], capture.input_clocks["i"][ends])
     return capture
