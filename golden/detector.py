@@ -120,7 +120,9 @@ def frame_records(
         rows, columns, values = rows[accepted], columns[accepted], values[accepted]
         accepted = accepted[accepted]
     around = MARGIN - PIXEL_SIZE // 2
-    pixel_windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[rows + around, columns + around]
+    pixel_windows = None
+    if parameters.fit == "gradient":
+        pixel_windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[rows + around, columns + around]
     patches = sliding_window_view(peaks, (3, 3))[rows + radius - 1, columns + radius - 1]
     offset = subpixel(patches, parameters, pixel_windows)
     return encode(columns + MARGIN, rows + MARGIN, values, offset, ~accepted)
