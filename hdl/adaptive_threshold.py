@@ -10,7 +10,7 @@ from amaranth.lib.wiring import In, Out
 
 from golden.adaptive_threshold import LEVEL_SHIFT
 from golden.parameters import MEAN_WEIGHT_FRACTION_BITS, WINDOW_SIZE, Parameters
-from hdl.delay_line import DelayLine
+from hdl.leaving_column import leaving_column
 from hdl.response_filter import filtered_rows
 from hdl.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.texture_filter import texture_layout
@@ -99,16 +99,10 @@ class AdaptiveThreshold(wiring.Component):
         column = pipe.register(sum(thirds[1:], start=thirds[0])[:column_bits], "column")
         beat = pipe.delay(pipe.valid, 2, "beat", reset=True)
 
-        m.submodules.columns = line = DelayLine(column_bits, WINDOW_SIZE - 1)
-        m.d.comb += [line.enable.eq(beat & pipe.advance), line.i.eq(column)]
-        seen = Signal(range(WINDOW_SIZE))
-        filled = seen == WINDOW_SIZE - 1
-        with m.If(beat & pipe.advance & ~filled):
-            m.d.sync += seen.eq(seen + 1)
-        # one clear of the whole register, which is ready for the next beat
-        leaving = pipe.register(Mux(filled, line.o, 0), "leaving", when=beat, reset=True)
+        step = beat & pipe.advance
+        leaving = leaving_column(m, pipe, column, WINDOW_SIZE, beat=beat, step=step, name="leaving")
         total = Signal(self._total_bits)
-        with m.If(beat & pipe.advance):
+        with m.If(step):
             m.d.sync += total.eq(total + (column - leaving))
         return total
 

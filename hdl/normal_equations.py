@@ -7,14 +7,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from amaranth.hdl import Cat, Module, Mux, Signal, Value, signed
+from amaranth.hdl import Cat, Module, Signal, Value, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.normal_equations import STEP_SIZE
 from golden.parameters import Parameters
-from hdl.delay_line import DelayLine
 from hdl.derivatives import derivatives_layout
+from hdl.leaving_column import leaving_column
 from hdl.preprocessing import sizes_layout
 from hdl.square_table import SquareTable
 from hdl.stream import Columns, Pipeline, WindowCounter
@@ -181,14 +181,7 @@ class NormalEquations(wiring.Component):
     ) -> dict[str, Value]:
         """What ``values`` were seven beats before, or 0 before the first of them since reset."""
         together = Cat(*values.values())
-        m.submodules.columns = line = DelayLine(len(together), STEP_SIZE - 1)
-        m.d.comb += [line.enable.eq(pipe.advance & beat), line.i.eq(together)]
-        seen = Signal(range(STEP_SIZE))
-        filled = seen == STEP_SIZE - 1
-        with m.If(pipe.advance & beat & ~filled):
-            m.d.sync += seen.eq(seen + 1)
-        # one clear of the whole register, which is ready for the next beat
-        old = pipe.register(Mux(filled, line.o, 0), "old", when=beat, reset=True)
+        old = leaving_column(m, pipe, together, STEP_SIZE, beat=beat, step=pipe.advance & beat, name="old")
         parts, at = {}, 0
         for name, value in values.items():
             part = old[at : at + len(value)]
