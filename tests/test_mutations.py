@@ -208,7 +208,7 @@ MUTATIONS = {
         "test_noise and amaranth-unstalled",
     ),
     "the local level takes in what was there before reset": Mutation(
-        "hdl/adaptive_threshold.py",
+        "hdl/leaving_column.py",
         "Mux(filled, line.o, 0)",
         "Mux(1, line.o, 0)",
         "tests/hdl/test_adaptive_threshold.py",
@@ -263,7 +263,7 @@ MUTATIONS = {
         "sums and amaranth-unstalled",
     ),
     "the running sums take in what was there before reset": Mutation(
-        "hdl/normal_equations.py",
+        "hdl/leaving_column.py",
         "Mux(filled, line.o, 0)",
         "Mux(1, line.o, 0)",
         "tests/hdl/test_normal_equations.py",
