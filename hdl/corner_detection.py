@@ -18,7 +18,48 @@ def corner_layout(parameters: Parameters) -> data.StructLayout:
     return data.StructLayout({"corner": 1, "response": parameters.response_bits, **counted})
 
 
-class CornerDetection(wiring.Component):
+class Maxima(wiring.Component):
+    """What finds maxima above T1: its members, and how ties are told.
+
+    Parameters
+    ----------
+    parameters
+        Of the detector.
+    rows
+        Of responses in a column.
+
+    Members
+    -------
+    i
+        Stream of ``Columns(unsigned(response_bits), rows)``.
+    t1
+        Stream of T1, one per frame, taken with the frame's last column.
+    o
+        Stream of ``Beat(corner_layout(parameters))``.
+    """
+
+    def __init__(self, parameters: Parameters, rows: int) -> None:
+        self._parameters = parameters
+        response = unsigned(parameters.response_bits)
+        super().__init__(
+            {
+                "i": In(stream.Signature(Columns(response, rows))),
+                "t1": In(stream.Signature(response)),
+                "o": Out(stream.Signature(Beat(corner_layout(parameters)))),
+            }
+        )
+
+    # Neighbours that come before the centre in raster order must be smaller; those that come after may equal it
+    # with ties="first". Half a unit more for the centre and for those before says both with one comparison.
+
+    def _ahead(self, value: Value) -> Value:
+        return value if self._parameters.ties == "strict" else Cat(C(1, 1), value)
+
+    def _behind(self, value: Value) -> Value:
+        return value if self._parameters.ties == "strict" else Cat(C(0, 1), value)
+
+
+class CornerDetection(Maxima):
     """E: is the middle of three columns' middle row the largest of the 3x3 neighbourhood, and above T1?
 
     Members
@@ -34,15 +75,7 @@ class CornerDetection(wiring.Component):
     latency = 3
 
     def __init__(self, parameters: Parameters) -> None:
-        self._parameters = parameters
-        response = unsigned(parameters.response_bits)
-        super().__init__(
-            {
-                "i": In(stream.Signature(Columns(response, 3))),
-                "t1": In(stream.Signature(response)),
-                "o": Out(stream.Signature(Beat(corner_layout(parameters)))),
-            }
-        )
+        super().__init__(parameters, 3)
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -53,7 +86,7 @@ class CornerDetection(wiring.Component):
         top, middle, bottom = (self.i.payload.data[row] for row in range(3))
 
         beat = pipe.register(pipe.valid, "beat", reset=True)
-        ends = pipe.register(_larger(self._ahead(top), self._behind(bottom)), "ends")
+        ends = pipe.register(larger(self._ahead(top), self._behind(bottom)), "ends")
         above = pipe.register(middle > self.t1.payload, "above")
         middle = pipe.register(middle, "middle")
 
@@ -80,15 +113,6 @@ class CornerDetection(wiring.Component):
         ]
         return m
 
-    # Neighbours that come before the centre in raster order must be smaller; those that come after may equal it
-    # with ties="first". Half a unit more for the centre and for those before says both with one comparison.
 
-    def _ahead(self, value: Value) -> Value:
-        return value if self._parameters.ties == "strict" else Cat(C(1, 1), value)
-
-    def _behind(self, value: Value) -> Value:
-        return value if self._parameters.ties == "strict" else Cat(C(0, 1), value)
-
-
-def _larger(a: Value, b: Value) -> Value:
+def larger(a: Value, b: Value) -> Value:
     return Mux(a > b, a, b)

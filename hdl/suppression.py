@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Mux, Value, unsigned
-from amaranth.lib import stream, wiring
-from amaranth.lib.wiring import In, Out
+from amaranth.hdl import Cat, Module, Value
 
 from golden.parameters import WINDOW_SIZE, Parameters
-from hdl.corner_detection import corner_layout
+from hdl.corner_detection import Maxima, larger
 from hdl.response_filter import filtered_rows
-from hdl.stream import Beat, Columns, Pipeline, WindowCounter
+from hdl.stream import Pipeline, WindowCounter
 
 
-class Suppression(wiring.Component):
+class Suppression(Maxima):
     """E: is the middle of 9 columns' middle row the largest of the (2r+1)x(2r+1) around it, and above T1?
 
     Does what :class:`hdl.corner_detection.CornerDetection` does behind :class:`hdl.centre_rows.CentreRows`, for
@@ -38,18 +36,10 @@ class Suppression(wiring.Component):
     """
 
     def __init__(self, parameters: Parameters) -> None:
-        self._parameters = parameters
         filtered = parameters.response_filter == "binomial"
         self._size = filtered_rows(parameters) if filtered else WINDOW_SIZE
         self.latency = (2 * parameters.suppression - 1).bit_length() + 2 if filtered else 5
-        response = unsigned(parameters.response_bits)
-        super().__init__(
-            {
-                "i": In(stream.Signature(Columns(response, self._size))),
-                "t1": In(stream.Signature(response)),
-                "o": Out(stream.Signature(Beat(corner_layout(parameters)))),
-            }
-        )
+        super().__init__(parameters, self._size)
 
     def elaborate(self, platform: Any) -> Module:
         m, r = Module(), self._parameters.suppression
@@ -72,12 +62,12 @@ class Suppression(wiring.Component):
             return [pipe.register(value, f"waiting_{spent}_{k}") for k, value in enumerate(values)]
 
         while len(ends) > 1:
-            pairs = [_larger(*pair) for pair in zip(ends[::2], ends[1::2], strict=False)]
+            pairs = [larger(*pair) for pair in zip(ends[::2], ends[1::2], strict=False)]
             ends = pairs + ends[len(ends) & ~1 :]
             *ends, middle, above = wait(*ends, middle, above)
             beat = pipe.register(beat, f"beat_{spent}", reset=True)
         # to those that come after, this column is one before; and the other way round
-        before, after = _larger(ends[0], self._ahead(middle)), _larger(ends[0], self._behind(middle))
+        before, after = larger(ends[0], self._ahead(middle)), larger(ends[0], self._behind(middle))
         if self._parameters.ties == "strict":
             after = before
         peak = self._ahead(middle) > ends[0]
@@ -120,15 +110,3 @@ class Suppression(wiring.Component):
         ]
         if self._parameters.budget:
             m.d.comb += found.peak.eq(pipe.delay(peak, left, "peak"))
-
-    # Half a unit more for the centre and for neighbours before it: see CornerDetection.
-
-    def _ahead(self, value: Value) -> Value:
-        return value if self._parameters.ties == "strict" else Cat(C(1, 1), value)
-
-    def _behind(self, value: Value) -> Value:
-        return value if self._parameters.ties == "strict" else Cat(C(0, 1), value)
-
-
-def _larger(a: Value, b: Value) -> Value:
-    return Mux(a > b, a, b)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 BUDGET_MUTATIONS = {
     "a later equal response suppresses within a wide window": (
-        "hdl/suppression.py",
+        "hdl/corner_detection.py",
         "Cat(C(0, 1), value)",
         "Cat(C(1, 1), value)",
         "tests/hdl/test_suppression.py",
