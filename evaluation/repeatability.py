@@ -168,7 +168,24 @@ def gain(pairs: list[Pair], ours: list[Score], base: list[Score]) -> Record:
 
 def mode_figures(pairs: list[Pair], found: dict[str, list[Score]], *, views: bool = False) -> Record:
     """One mode: each detector over all pairs and by class of scene, and what it gains over having no filter."""
-    parts = parts_of(pairs)
+    results = figures_of_parts(pairs, found, parts_of(pairs), summary, gain)
+    if views:
+        for name, each in found.items():
+            results[name]["views"] = _by_view(pairs, each)
+    return results
+
+
+def figures_of_parts(
+    pairs: list[Pair],
+    found: dict[str, list[T]],
+    parts: dict[str, list[bool]],
+    summary: Callable[[list[Pair], list[T]], Record],
+    gain: Callable[[list[Pair], list[T], list[T]], Record],
+) -> Record:
+    """Of each detector and each part of the pairs a summary, and the gain over no filter and over ranking by D.
+
+    ``found`` has one score for each pair, of whatever kind ``summary`` and ``gain`` take.
+    """
     results: Record = {}
     for name, each in found.items():
         results[name] = {}
@@ -180,8 +197,6 @@ def mode_figures(pairs: list[Pair], found: dict[str, list[Score]], *, views: boo
                 for base in (name + WITHOUT, PLAIN)
                 if base in found and base != name
             }
-        if views:
-            results[name]["views"] = _by_view(pairs, each)
     return results
 
 

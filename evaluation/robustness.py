@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evaluation.bootstrap import estimate, mean, relative_gain
-from evaluation.detectors import MODES, PLAIN, WITHOUT, Detector, Memory, Mode, Points, budget
-from evaluation.repeatability import TOLERANCE, by_scene, parts_of, project, take
+from evaluation.detectors import MODES, Detector, Memory, Mode, Points, budget
+from evaluation.repeatability import TOLERANCE, by_scene, figures_of_parts, parts_of, project
 from evaluation.sources import Pair
 from evaluation.tracker import LARGEST_RETURN_ERROR, LEAST_CORRELATION, REACH, WINDOW, Tracks, track
 
@@ -108,18 +108,7 @@ def mode_figures(pairs: list[Pair], found: dict[str, list[Score]]) -> Record:
     parts["rendered"] = [pair.homography is not None for pair in pairs]
     for video in videos_of(pairs):
         parts[video] = [pair.name == video and pair.homography is None for pair in pairs]
-    results: Record = {}
-    for name, each in found.items():
-        results[name] = {}
-        for part, chosen in parts.items():
-            some = take(pairs, chosen)
-            results[name][part] = summary(some, take(each, chosen))
-            results[name][part]["gain"] = {
-                base: gain(some, take(each, chosen), take(found[base], chosen))
-                for base in (name + WITHOUT, PLAIN)
-                if base in found and base != name
-            }
-    return results
+    return figures_of_parts(pairs, found, parts, summary, gain)
 
 
 def robustness(pairs: list[Pair], detectors: list[Detector], *, notify: Notify | None = None) -> Record:
