@@ -50,6 +50,12 @@ def _choice(name: str, allowed: Any, text: str) -> Callable[[Command], Command]:
     return click.option(name, type=click.Choice(get_args(allowed)), help=f"{text} Default: the profile's.")
 
 
+def _setting(name: str, kind: Any, text: str, **more: Any) -> Callable[[Command], Command]:
+    """A field of ``Settings``, by default as usual."""
+    usual = getattr(_USUAL, name.removeprefix("--").replace("-", "_"))
+    return click.option(name, type=kind, default=usual, show_default=True, help=text, **more)
+
+
 detector_options = _together(
     click.option(
         "--profile",
@@ -117,53 +123,31 @@ edge_options = _together(
 )
 
 threshold_options = _together(
-    click.option(
-        "--sigma1",
-        type=float,
-        default=_USUAL.sigma1,
-        show_default=True,
-        help="A corner has a response D above sigma1 times the reference; 0 <= sigma1 < 1.",
+    _setting(
+        "--sigma1", float, "A corner has a response D above sigma1 times the reference; 0 <= sigma1 < 1."
     ),
-    click.option(
+    _setting(
         "--sigma2",
-        type=float,
-        default=_USUAL.sigma2,
-        show_default=True,
-        help="A corner has a texture measure below sigma2 times the reference; 0 <= sigma2 < 16. "
+        float,
+        "A corner has a texture measure below sigma2 times the reference; 0 <= sigma2 < 16. "
         "With --texture mean: weight of the local mean, in eighths up to 15/8.",
     ),
-    click.option(
-        "--reference",
-        type=click.Choice(get_args(Reference)),
-        default=_USUAL.reference,
-        show_default=True,
-        help="The previous frame's largest D, or --constant.",
+    _setting(
+        "--reference", click.Choice(get_args(Reference)), "The previous frame's largest D, or --constant."
     ),
-    click.option(
-        "--constant",
-        type=int,
-        default=_USUAL.constant,
-        show_default=True,
-        help="Reference where no previous frame counts, in units of D.",
-    ),
-    click.option(
-        "--floor", type=int, default=_USUAL.floor, show_default=True, help="The reference is never below it."
-    ),
-    click.option(
+    _setting("--constant", int, "Reference where no previous frame counts, in units of D."),
+    _setting("--floor", int, "The reference is never below it."),
+    _setting(
         "--max-corners",
-        type=int,
-        default=_USUAL.max_corners,
-        show_default=True,
+        int,
+        "Corners per frame, at most: the first ones, row by row; 0: all. Implies --budget.",
         metavar="N",
-        help="Corners per frame, at most: the first ones, row by row; 0: all. Implies --budget.",
     ),
-    click.option(
+    _setting(
         "--target-corners",
-        type=int,
-        default=_USUAL.target_corners,
-        show_default=True,
+        int,
+        "Corners per frame to aim at, from frame to frame, instead of sigma1; 0: none. Implies --budget.",
         metavar="N",
-        help="Corners per frame to aim at, from frame to frame, instead of sigma1; 0: none. Implies --budget.",
     ),
 )
 
