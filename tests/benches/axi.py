@@ -26,6 +26,7 @@ from hdl.edges.register_map import register_map
 from hdl.edges.video_detector import VideoDetector
 from tests.benches.axi_video import VideoExpectation
 from tests.benches.common import Dut, Registers, Sink, VideoSource, reset, start, watch_lite, watch_stream
+from tests.filters import lenient
 from tests.malformed import Beats, Random, texture
 
 PARAMETERS = "PARAMETERS"
@@ -324,7 +325,8 @@ class Bench:
 
 async def usual(bench: Bench, width: int = 31, height: int = 23, **changes: int) -> None:
     """A small frame, and thresholds that let many corners pass."""
-    settings = Settings.default(bench.parameters, sigma1=0.01, sigma2=8.0, report_rejected=True)
+    p = bench.parameters
+    settings = Settings.default(p, sigma1=0.01, sigma2=lenient(p), report_rejected=True)
     await bench.configure(VideoSettings(width, height, settings, **changes))
 
 

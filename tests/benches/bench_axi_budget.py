@@ -17,9 +17,7 @@ LARGE = 1 << 16
 async def aim(bench: Bench, **budget: int) -> None:
     """A small frame, thresholds that let many corners pass, and this budget."""
     await usual(bench, 37, 29)
-    # either filter lets all pass
-    sigma2 = 0.0 if bench.parameters.texture == "mean" else 15.0
-    settings = replace(bench.video.settings, report_rejected=False, sigma2=sigma2, **budget)
+    settings = replace(bench.video.settings, report_rejected=False, **budget)
     await bench.configure(replace(bench.video, settings=settings))
 
 

@@ -18,6 +18,7 @@ from golden.video import NO_LIMIT, Event, VideoSettings, marked
 from tests import malformed
 from tests.benches.axi import ROUNDS, Bench, draw
 from tests.benches.common import Dut
+from tests.filters import selective
 from tests.malformed import Beats, Fault, Random
 
 PAUSES = [0.0, 0.35]
@@ -43,7 +44,8 @@ def row(test: Callable[[Bench, Random], Awaitable[None]]) -> Any:
 async def configure(bench: Bench, random_: Random, **changes: int) -> None:
     p = bench.parameters
     width, height = int(random_.integers(15, p.max_width + 1)), int(random_.integers(15, p.max_height + 1))
-    settings = Settings.default(p, sigma1=0.02, sigma2=4.0, report_rejected=bool(random_.integers(2)))
+    rejected = bool(random_.integers(2))
+    settings = Settings.default(p, sigma1=0.02, sigma2=selective(p), report_rejected=rejected)
     await bench.configure(VideoSettings(width, height, settings, **changes))
 
 

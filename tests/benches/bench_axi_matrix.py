@@ -17,6 +17,7 @@ from golden.preprocessing import Image
 from golden.video import Packet, VideoSettings
 from tests.benches.axi import Bench, draw
 from tests.benches.common import Dut
+from tests.filters import selective
 from tests.malformed import Random
 from tests.photographs import photograph
 
@@ -56,7 +57,7 @@ async def matrix(dut: Dut, frame_size: str, idle: float, stall: float) -> None:
     frames = images(frame_size, bench, random)
     height, width = frames[0].shape
     p = bench.parameters
-    settings = Settings.default(p, sigma1=0.02, sigma2=1.5, report_rejected=True)
+    settings = Settings.default(p, sigma1=0.02, sigma2=selective(p), report_rejected=True)
     await bench.configure(VideoSettings(width, height, settings))
     for image in frames:
         bench.send(image)

@@ -18,6 +18,7 @@ from golden import Settings
 from golden.video import NO_LIMIT, Event, VideoSettings
 from tests.benches.axi import Bench, draw
 from tests.benches.common import Dut
+from tests.filters import lenient, selective
 from tests.malformed import FAULTS, Random, Video, whole
 
 FRAMES = int(os.environ.get("FRAMES", "128"))
@@ -135,7 +136,7 @@ async def stress(dut: Dut) -> None:
         settings = Settings.default(
             p,
             sigma1=float(random_.choice([0.002, 0.02, 0.1])),
-            sigma2=float(random_.choice([1.0, 4.0, 12.0])),
+            sigma2=float(random_.choice([selective(p) / 2, selective(p), lenient(p)])),
             reference=str(random_.choice(["previous", "constant"])),
             report_rejected=bool(random_.integers(2)),
         )

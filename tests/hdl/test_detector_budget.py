@@ -11,6 +11,7 @@ import pytest
 from golden import Parameters, Settings, StreamModel, profile
 from sim.frames import Frame, frame_stimulus
 from sim.stimulus import Stalls, Stimulus
+from tests.filters import lenient, selective
 from tests.hdl.test_detector import MIXTURES, SMALL, engine, noise, run
 
 BUDGETS = {name: parameters for name, parameters in MIXTURES.items() if parameters.budget}
@@ -22,7 +23,7 @@ BUDGETS["robust banked"] = profile("robust", **SMALL, buffering="banked", budget
 @pytest.mark.parametrize("size", [(15, 15), (15, 64), (33, 47)])
 def test_adaptation_never_makes_a_frame_wait(parameters: Parameters, size: tuple[int, int]) -> None:
     """The smallest frames without a pause: T1 is there before the next frame needs it."""
-    aimed = Settings.default(parameters, sigma2=15, target_corners=2)
+    aimed = Settings.default(parameters, sigma2=lenient(parameters), target_corners=2)
     result = run(parameters, [(noise(*size, seed, parameters), aimed) for seed in range(8)])
     assert [frame.clocks for frame in result.frames] == [size[0] * size[1]] * 8
 
@@ -31,11 +32,12 @@ def test_adaptation_never_makes_a_frame_wait(parameters: Parameters, size: tuple
 def test_targets_and_limits_change_from_frame_to_frame(parameters: Parameters) -> None:
     """Each pair of values after each other; black frames and ones full of corners in between."""
     frames: list[Frame] = []
+    some = selective(parameters)
     for seed, (target, most) in enumerate(product((0, 3, 200), (0, 1, 5, 65535))):
         for image in (noise(40, 50, seed, parameters), np.zeros((20, 30), np.uint8)):
             budget = {"target_corners": target, "max_corners": most}
-            frames.append((image, Settings.default(parameters, sigma1=0.001, sigma2=4.0, **budget)))
-            frames.append((image, Settings.default(parameters, sigma2=4.0, target_corners=3)))
+            frames.append((image, Settings.default(parameters, sigma1=0.001, sigma2=some, **budget)))
+            frames.append((image, Settings.default(parameters, sigma2=some, target_corners=3)))
     for stalls in (Stalls(), Stalls(0.2, 0.6, 7)):
         run(parameters, frames, stalls)
 
@@ -55,7 +57,7 @@ def test_max_corners_bounds_what_a_dense_frame_costs() -> None:
 @pytest.mark.parametrize("parameters", BUDGETS.values(), ids=BUDGETS.keys())
 def test_a_reset_leaves_nothing_in_the_histogram(parameters: Parameters) -> None:
     """Many corners of a broken frame in bins that the next frames fill again."""
-    aimed = Settings.default(parameters, sigma2=15, target_corners=5)
+    aimed = Settings.default(parameters, sigma2=lenient(parameters), target_corners=5)
     frames: list[Frame] = [(noise(30, 40, seed, parameters), aimed) for seed in range(4)]
     for cut in (900, 1100, 1199):
         plain = frame_stimulus(frames, parameters, Stalls())

@@ -15,6 +15,7 @@ from golden.video import VideoModel, VideoSettings, marked
 from hdl.edges.video_detector import VideoDetector
 from sim import Capture, Stalls, Stimulus
 from sim.engine import Engine
+from tests.filters import selective
 from tests.hdl.blocks import engine
 from tests.hdl.edges.components import PlainVideoDetector, levels, packets, payloads
 from tests.malformed import Beats, random_video
@@ -44,7 +45,7 @@ builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys(
 def video_settings(parameters: Parameters, image: Image) -> VideoSettings:
     height, width = image.shape
     budget = {"target_corners": 4, "max_corners": 6} if parameters.budget else {}
-    return VideoSettings(width, height, Settings.default(parameters, sigma1=0.02, sigma2=2.0, **budget))
+    return VideoSettings(width, height, Settings.default(parameters, sigma1=0.02, sigma2=selective(parameters), **budget))
 
 
 def run(

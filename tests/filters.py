@@ -1,0 +1,15 @@
+"""sigma2 for tests of any build: large values let corners pass with the patches, small ones with an adaptive threshold."""
+
+from __future__ import annotations
+
+from golden import Parameters
+
+
+def lenient(parameters: Parameters) -> float:
+    """Every corner passes, or as many as can."""
+    return 0.0 if parameters.texture == "mean" else 15.9
+
+
+def selective(parameters: Parameters) -> float:
+    """Some corners of noise and of photographs pass, and some do not."""
+    return 1.125 if parameters.texture == "mean" else 1.0
