@@ -414,9 +414,11 @@ def copy_sources(folder: Path) -> None:
 
 
 def run_tests(folder: Path, files: list[str], only: str = "") -> subprocess.CompletedProcess[str]:
-    """pytest in the copy, on the copy's modules and with a cache of its own."""
+    """pytest in the copy, on the copy's modules."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
-    environment |= {"PYTHONPATH": str(folder), "CORNERSTREAM_CACHE": str(folder / "build" / "cache")}
+    environment["PYTHONPATH"] = str(folder)
+    # simulators are kept by what they are made of, so that an unchanged copy's may exist already
+    environment.setdefault("CORNERSTREAM_CACHE", str(ROOT / "build" / "cache"))
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
     command += ["-k", only] * bool(only) + files
     return subprocess.run(

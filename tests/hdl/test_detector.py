@@ -251,7 +251,9 @@ def test_latency_without_corners(parameters: Parameters, size: tuple[int, int]) 
 @pytest.mark.parametrize("parameters", [MIXTURES["paper"], MIXTURES["robust"]], ids=["paper", "robust"])
 def test_a_change_of_size_costs_at_most_the_push(parameters: Parameters) -> None:
     sizes = [(15, 15), (20, 64), (15, 15), (64, 16), (17, 17), (16, 64), (15, 16)]
-    result = run(parameters, [(noise(*size, seed), both_kinds(parameters)) for seed, size in enumerate(sizes)])
+    result = run(
+        parameters, [(noise(*size, seed), both_kinds(parameters)) for seed, size in enumerate(sizes)]
+    )
     widths = [width for _, width in sizes]
     for frame, (height, width), before in zip(result.frames, sizes, [15, *widths], strict=False):
         push = 0 if parameters.buffering == "lean" else 2 * max(before, width)
@@ -353,7 +355,8 @@ def test_end_of_frame_record() -> None:
 @pytest.mark.parametrize("name", ["paper", "robust"])
 def test_amaranths_simulator_agrees_clock_by_clock(name: str) -> None:
     parameters = MIXTURES[name]
-    frames: list[Frame] = [(noise(15, 18, 1), EVERYTHING), (noise(18, 15, 2), EVERYTHING)]
+    each = both_kinds(parameters)
+    frames: list[Frame] = [(noise(15, 18, 1), each), (noise(18, 15, 2), each)]
     stimulus = frame_stimulus(frames, parameters, Stalls(0.3, 0.3, 6))
     captures = [
         each.run(stimulus, quiet=300)
@@ -372,7 +375,8 @@ def test_the_emitted_verilog_in_an_independent_simulator(name: str, tmp_path: Pa
     verilog.write_text(emit_verilog(parameters))
     simulator = make_engine("verilog", Detector(parameters), verilog=verilog)
     image = photograph("camera")
-    frames: list[Frame] = [(image, Settings()), (image, EVERYTHING), (image[:100, :200], EVERYTHING)]
+    each = both_kinds(parameters)
+    frames: list[Frame] = [(image, Settings()), (image, each), (image[:100, :200], each)]
     stimulus = frame_stimulus(frames, parameters, Stalls(0.1, 0.1, 7))
     capture = simulator.run(stimulus, quiet=3000)
     check(split_frames(capture, [image.size for image, _ in frames]), parameters, frames)

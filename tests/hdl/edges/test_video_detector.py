@@ -45,7 +45,9 @@ builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys(
 def video_settings(parameters: Parameters, image: Image) -> VideoSettings:
     height, width = image.shape
     budget = {"target_corners": 4, "max_corners": 6} if parameters.budget else {}
-    return VideoSettings(width, height, Settings.default(parameters, sigma1=0.02, sigma2=selective(parameters), **budget))
+    return VideoSettings(
+        width, height, Settings.default(parameters, sigma1=0.02, sigma2=selective(parameters), **budget)
+    )
 
 
 def run(
