@@ -16,7 +16,7 @@ LARGE = 1 << 16
 
 async def aim(bench: Bench, **budget: int) -> None:
     """A small frame, thresholds that let many corners pass, and this budget."""
-    await usual(bench, 37, 29)
+    await usual(bench)
     settings = replace(bench.video.settings, report_rejected=False, **budget)
     await bench.configure(replace(bench.video, settings=settings))
 

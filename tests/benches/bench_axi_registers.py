@@ -12,7 +12,7 @@ from cocotb.triggers import ClockCycles
 from cocotbext.axi import AxiResp
 
 from golden.version import VERSION
-from golden.video import Event
+from golden.video import Event, marked
 from tests.benches.axi import ROUNDS, Bench, draw, usual
 from tests.benches.common import Dut
 
@@ -163,10 +163,10 @@ async def interrupts(dut: Dut) -> None:
     await usual(bench)
     for _ in range(ROUNDS):
         image = bench.squares(draw())
-        beats = [(int(pixel), k == 0, k % 31 == 30) for k, pixel in enumerate(image.ravel())]
+        beats, last = marked(image), image.shape[1] - 1
         # a long line; a frame, and another cut by the end of a line; pixels that belong to none
-        bench.send([*beats[:30], (1, False, False), (2, False, True), *beats[31:]])
-        bench.send([*beats[:20], (0, False, True)])
+        bench.send([*beats[:last], (1, False, False), (2, False, True), *beats[last + 1 :]])
+        bench.send([*beats[: last // 2], (0, False, True)])
         bench.send(image)
         bench.send([(0, False, True)])
         await bench.registers.write(SIZE, 0)

@@ -97,7 +97,7 @@ class Traffic:
         self.count["writes"] += 1
 
     async def _refused(self) -> None:
-        address = random.choice((0x00, 0x0C, 0x38, 0x40, 0x4C, 0x50, 0xFC))
+        address = random.choice((0x00, 0x0C, 0x3C, 0x40, 0x4C, 0x50, 0x54, 0xFC))
         await self._bench.registers.write(address, random.getrandbits(32), AxiResp.SLVERR)
         self.count["refused writes"] += 1
 
