@@ -3,30 +3,20 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
-from amaranth.back import rtlil
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from flow.verilog import emit_verilog
 from golden import Parameters, Settings, StreamModel, decode_frame_end, profile
-from golden.parameters import SUPPORT, WINDOW_SIZE
-from hdl.adaptive_threshold import AdaptiveThreshold
-from hdl.centre_rows import CentreRows
-from hdl.corner_detection import CornerDetection
 from hdl.detector import Detector
-from hdl.response_filter import ResponseFilter
 from hdl.subpixel import Subpixel
-from hdl.surface import SurfaceFit
-from hdl.texture_filter import TextureFilter
-from hdl.thresholds import Thresholds
 from sim.engine import Engine, make_engine
 from sim.frames import (
     Frame,
@@ -112,6 +102,12 @@ def noise(height: int, width: int, seed: int, parameters: Parameters = PAPER) ->
     return np.random.default_rng(seed).integers(
         0, parameters.pixel_max, (height, width), dtype, endpoint=True
     )
+
+
+def noisy(parameters: Parameters, sizes: list[tuple[int, int]], seed: int = 0) -> list[Frame]:
+    """Frames of noise of these (height, width), each from the next seed, with both kinds of corners."""
+    each = both_kinds(parameters)
+    return [(noise(*size, seed + k, parameters), each) for k, size in enumerate(sizes)]
 
 
 @pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
@@ -251,9 +247,7 @@ def test_latency_without_corners(parameters: Parameters, size: tuple[int, int]) 
 @pytest.mark.parametrize("parameters", [MIXTURES["paper"], MIXTURES["robust"]], ids=["paper", "robust"])
 def test_a_change_of_size_costs_at_most_the_push(parameters: Parameters) -> None:
     sizes = [(15, 15), (20, 64), (15, 15), (64, 16), (17, 17), (16, 64), (15, 16)]
-    result = run(
-        parameters, [(noise(*size, seed), both_kinds(parameters)) for seed, size in enumerate(sizes)]
-    )
+    result = run(parameters, noisy(parameters, sizes))
     widths = [width for _, width in sizes]
     for frame, (height, width), before in zip(result.frames, sizes, [15, *widths], strict=False):
         push = 0 if parameters.buffering == "lean" else 2 * max(before, width)
@@ -281,9 +275,7 @@ def test_a_corner_on_the_last_possible_pixel() -> None:
 def test_reset_in_mid_frame(cut: int, seed: int, name: str) -> None:
     """After a reset anywhere the next frames are as after power-on: first frame, frame number 0."""
     parameters = MIXTURES[name]
-    each = both_kinds(parameters)
-    broken: Frame = (noise(30, 40, seed), each)
-    frames: list[Frame] = [(noise(20, 25, seed + 1), each), (noise(25, 20, seed + 2), each)]
+    broken, *frames = noisy(parameters, [(30, 40), (20, 25), (25, 20)], seed)
     stalls = Stalls(0.2, 0.2, seed)
     start = frame_stimulus([broken], parameters, stalls)
     rest = frame_stimulus(frames, parameters, stalls)
@@ -313,8 +305,7 @@ def test_a_frame_leaves_no_trace_but_its_maximum(parameters: Parameters) -> None
 
 def test_settings_and_size_are_sampled_with_the_first_pixel_only() -> None:
     parameters = MIXTURES["robust"]
-    each = both_kinds(parameters)
-    frames: list[Frame] = [(noise(30, 40, 1), each), (noise(20, 50, 2), each)]
+    frames = noisy(parameters, [(30, 40), (20, 50)], 1)
     plain = frame_stimulus(frames, parameters, Stalls())
     garbage = {
         "width": 17,
@@ -332,8 +323,7 @@ def test_settings_and_size_are_sampled_with_the_first_pixel_only() -> None:
 
 def test_sizes_out_of_range_are_taken_as_the_nearest_allowed() -> None:
     parameters = MIXTURES["robust"]
-    each = both_kinds(parameters)
-    frames: list[Frame] = [(noise(15, 15, 1), each), (noise(64, 64, 2), each)]
+    frames = noisy(parameters, [(15, 15), (64, 64)], 1)
     plain = frame_stimulus(frames, parameters, Stalls())
     wrong = [{"width": 3, "height": 0}, {"width": 127, "height": 100}]
     levels = [(beat, {**values, **size}) for (beat, values), size in zip(plain.levels, wrong, strict=True)]
@@ -344,8 +334,7 @@ def test_sizes_out_of_range_are_taken_as_the_nearest_allowed() -> None:
 def test_end_of_frame_record() -> None:
     parameters = MIXTURES["paper"]
     black = np.zeros((20, 20), np.uint8)
-    frames: list[Frame] = [(black, Settings()), (noise(40, 40, 1), both_kinds(parameters))]
-    result = run(parameters, frames)
+    result = run(parameters, [(black, Settings()), *noisy(parameters, [(40, 40)], 1)])
     empty, full = (decode_frame_end(int(frame.records[-1])) for frame in result.frames)
     assert (empty.records, empty.frame, empty.maximum) == (0, 0, 0)
     assert full.records == len(result.frames[1].records) - 1 > 0
@@ -355,8 +344,7 @@ def test_end_of_frame_record() -> None:
 @pytest.mark.parametrize("name", ["paper", "robust"])
 def test_amaranths_simulator_agrees_clock_by_clock(name: str) -> None:
     parameters = MIXTURES[name]
-    each = both_kinds(parameters)
-    frames: list[Frame] = [(noise(15, 18, 1), each), (noise(18, 15, 2), each)]
+    frames = noisy(parameters, [(15, 18), (18, 15)], 1)
     stimulus = frame_stimulus(frames, parameters, Stalls(0.3, 0.3, 6))
     captures = [
         each.run(stimulus, quiet=300)
@@ -382,35 +370,3 @@ def test_the_emitted_verilog_in_an_independent_simulator(name: str, tmp_path: Pa
     check(split_frames(capture, [image.size for image, _ in frames]), parameters, frames)
     compiled = engine(parameters).run(stimulus, quiet=3000)
     assert np.array_equal(capture.output_clocks["o"], compiled.output_clocks["o"])
-
-
-@pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
-def test_latency_is_the_sum_of_the_blocks(parameters: Parameters) -> None:
-    detector = Detector(parameters)
-    assert detector.latency == sum(block.latency for block in detector.blocks.values()) + 1
-
-
-@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
-def test_what_moves_in_step_is_equally_long(parameters: Parameters) -> None:
-    late = CentreRows.latency
-    assert ResponseFilter.latency == late and AdaptiveThreshold.latency == TextureFilter.latency
-    assert TextureFilter.latency == late + CornerDetection.latency == late + SurfaceFit.latency
-
-
-@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
-def test_thresholds_are_there_before_the_first_column(parameters: Parameters) -> None:
-    """Of the smallest frame, whose rows lose two columns to the gradients and four to smoothing."""
-    assert Thresholds(parameters).clocks < (WINDOW_SIZE - 1) * (SUPPORT - 6)
-
-
-def test_the_printed_fit_exists_in_the_golden_model_only() -> None:
-    with pytest.raises(ValueError, match=r"fit is 'printed'; allowed in hardware: nine, six"):
-        Detector(profile("paper", fit="printed"))
-
-
-@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
-def test_no_multiplier_is_asked_for(parameters: Parameters) -> None:
-    """Products are adders: no synthesis tool can infer an embedded multiplier."""
-    cells = set(re.findall(r"cell (\$\w+)", rtlil.convert(Detector(parameters), name="top")))
-    assert "$add" in cells
-    assert not cells & {"$mul", "$div", "$mod", "$divfloor", "$modfloor", "$pow", "$macc"}

@@ -1,0 +1,53 @@
+# amaranth: UnusedElaboratable=no
+"""What the detector is made of: latencies that fit each other, no multiplier, and what cannot be built."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from amaranth.back import rtlil
+
+from golden import Parameters, profile
+from golden.parameters import SUPPORT, WINDOW_SIZE
+from hdl.adaptive_threshold import AdaptiveThreshold
+from hdl.centre_rows import CentreRows
+from hdl.corner_detection import CornerDetection
+from hdl.detector import Detector
+from hdl.response_filter import ResponseFilter
+from hdl.surface import SurfaceFit
+from hdl.texture_filter import TextureFilter
+from hdl.thresholds import Thresholds
+from tests.hdl.test_detector import MIXTURES, PAPER, ROBUST
+
+
+@pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
+def test_latency_is_the_sum_of_the_blocks(parameters: Parameters) -> None:
+    detector = Detector(parameters)
+    assert detector.latency == sum(block.latency for block in detector.blocks.values()) + 1
+
+
+@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+def test_what_moves_in_step_is_equally_long(parameters: Parameters) -> None:
+    late = CentreRows.latency
+    assert ResponseFilter.latency == late and AdaptiveThreshold.latency == TextureFilter.latency
+    assert TextureFilter.latency == late + CornerDetection.latency == late + SurfaceFit.latency
+
+
+@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+def test_thresholds_are_there_before_the_first_column(parameters: Parameters) -> None:
+    """Of the smallest frame, whose rows lose two columns to the gradients and four to smoothing."""
+    assert Thresholds(parameters).clocks < (WINDOW_SIZE - 1) * (SUPPORT - 6)
+
+
+def test_the_printed_fit_exists_in_the_golden_model_only() -> None:
+    with pytest.raises(ValueError, match=r"fit is 'printed'; allowed in hardware: nine, six"):
+        Detector(profile("paper", fit="printed"))
+
+
+@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+def test_no_multiplier_is_asked_for(parameters: Parameters) -> None:
+    """Products are adders: no synthesis tool can infer an embedded multiplier."""
+    cells = set(re.findall(r"cell (\$\w+)", rtlil.convert(Detector(parameters), name="top")))
+    assert "$add" in cells
+    assert not cells & {"$mul", "$div", "$mod", "$divfloor", "$modfloor", "$pow", "$macc"}
