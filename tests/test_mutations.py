@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from sim.compiler import CACHE_VARIABLE, cache_directory
 from tests.budget_mutations import BUDGET_MUTATIONS
+from tests.edge_mutations import EDGE_MUTATIONS
 
 ROOT = Path(__file__).resolve().parents[1]
 COPIED = ("golden", "hdl", "sim", "tests", "pyproject.toml")
@@ -339,69 +341,7 @@ MUTATIONS = {
         "tests/hdl/test_frame_control.py",
         "frames and amaranth",
     ),
-    "pixels are taken while a frame is cut": Mutation(
-        "hdl/edges/frame_guard.py",
-        "self.i.ready.eq(~self.cut & ~self.restart",
-        "self.i.ready.eq(~self.restart",
-        "tests/hdl/edges/test_frame_guard.py",
-        "cut_waits",
-    ),
-    "a long line ends with the first pixel that is too many": Mutation(
-        "hdl/edges/frame_guard.py",
-        "surplus.eq(~eol)",
-        "surplus.eq(0)",
-        "tests/hdl/edges/test_frame_guard.py",
-        "long_line",
-    ),
-    "records of one packet are counted into the next": Mutation(
-        "hdl/edges/packet_constructor.py",
-        "with m.If(self.done | self.closed | self.clear):",
-        "with m.If(self.done | self.clear):",
-        "tests/hdl/edges/test_packet_constructor.py",
-        "packets_by_hand",
-    ),
-    "a cut does not wait for the frames before": Mutation(
-        "hdl/edges/video_detector.py",
-        "(guard.cut & empty)",
-        "guard.cut",
-        "tests/hdl/edges/test_video_detector.py",
-        "right_after_a_whole_one",
-    ),
-    "a restart loses the reference": Mutation(
-        "hdl/edges/video_detector.py",
-        "settings.use_constant | ~self._packets.any_results,",
-        "1,",
-        "tests/hdl/edges/test_video_detector.py",
-        "malformed and lean and flowing",
-    ),
-    "pixels are marked that can be no corner": Mutation(
-        "hdl/edges/overlay.py",
-        "marked & self.mark.payload.corner",
-        "self.mark.valid & self.mark.payload.corner",
-        "tests/hdl/edges/test_overlay.py",
-        "pixels_and_corners",
-    ),
-    "an event is lost where it is cleared": Mutation(
-        "hdl/edges/register_bank.py",
-        "happens | (self._status_bits[bit] & ~cleared)",
-        "(happens | self._status_bits[bit]) & ~cleared",
-        "tests/hdl/edges/test_registers.py",
-        "sticky",
-    ),
-    "a control packet is taken for video": Mutation(
-        "hdl/edges/avalon.py",
-        "self.asi_video_data[:PACKET_TYPE_BITS] == VIDEO_PACKET",
-        "self.asi_video_data[:1] == VIDEO_PACKET",
-        "tests/hdl/edges/test_avalon.py",
-        "low_four_bits or other_packets",
-    ),
-    "the golden model drops what follows an early start of frame": Mutation(
-        "golden/video.py",
-        "packets.append(self._cut())\n",
-        "return [self._cut()]\n",
-        "tests/golden/test_video.py",
-    ),
-    **{name: Mutation(*fields) for name, fields in BUDGET_MUTATIONS.items()},
+    **{name: Mutation(*fields) for name, fields in (EDGE_MUTATIONS | BUDGET_MUTATIONS).items()},
 }
 
 
@@ -416,9 +356,8 @@ def copy_sources(folder: Path) -> None:
 def run_tests(folder: Path, files: list[str], only: str = "") -> subprocess.CompletedProcess[str]:
     """pytest in the copy, on the copy's modules."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
-    environment["PYTHONPATH"] = str(folder)
     # simulators are kept by what they are made of, so that an unchanged copy's may exist already
-    environment.setdefault("CORNERSTREAM_CACHE", str(ROOT / "build" / "cache"))
+    environment |= {"PYTHONPATH": str(folder), CACHE_VARIABLE: str(cache_directory())}
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
     command += ["-k", only] * bool(only) + files
     return subprocess.run(

@@ -1,0 +1,68 @@
+"""Deliberate faults in what is around the detector: file, text, what takes its place, tests, and which of them."""
+
+from __future__ import annotations
+
+EDGE_MUTATIONS = {
+    "pixels are taken while a frame is cut": (
+        "hdl/edges/frame_guard.py",
+        "self.i.ready.eq(~self.cut & ~self.restart",
+        "self.i.ready.eq(~self.restart",
+        "tests/hdl/edges/test_frame_guard.py",
+        "cut_waits",
+    ),
+    "a long line ends with the first pixel that is too many": (
+        "hdl/edges/frame_guard.py",
+        "surplus.eq(~eol)",
+        "surplus.eq(0)",
+        "tests/hdl/edges/test_frame_guard.py",
+        "long_line",
+    ),
+    "records of one packet are counted into the next": (
+        "hdl/edges/packet_constructor.py",
+        "with m.If(self.done | self.closed | self.clear):",
+        "with m.If(self.done | self.clear):",
+        "tests/hdl/edges/test_packet_constructor.py",
+        "packets_by_hand",
+    ),
+    "a cut does not wait for the frames before": (
+        "hdl/edges/video_detector.py",
+        "(guard.cut & empty)",
+        "guard.cut",
+        "tests/hdl/edges/test_video_detector.py",
+        "right_after_a_whole_one",
+    ),
+    "a restart loses the reference": (
+        "hdl/edges/video_detector.py",
+        "settings.use_constant | ~self._packets.any_results,",
+        "1,",
+        "tests/hdl/edges/test_video_detector.py",
+        "malformed and lean and flowing",
+    ),
+    "pixels are marked that can be no corner": (
+        "hdl/edges/overlay.py",
+        "marked & self.mark.payload.corner",
+        "self.mark.valid & self.mark.payload.corner",
+        "tests/hdl/edges/test_overlay.py",
+        "pixels_and_corners",
+    ),
+    "an event is lost where it is cleared": (
+        "hdl/edges/register_bank.py",
+        "happens | (self._status_bits[bit] & ~cleared)",
+        "(happens | self._status_bits[bit]) & ~cleared",
+        "tests/hdl/edges/test_registers.py",
+        "sticky",
+    ),
+    "a control packet is taken for video": (
+        "hdl/edges/avalon.py",
+        "self.asi_video_data[:PACKET_TYPE_BITS] == VIDEO_PACKET",
+        "self.asi_video_data[:1] == VIDEO_PACKET",
+        "tests/hdl/edges/test_avalon.py",
+        "low_four_bits or other_packets",
+    ),
+    "the golden model drops what follows an early start of frame": (
+        "golden/video.py",
+        "packets.append(self._cut())\n",
+        "return [self._cut()]\n",
+        "tests/golden/test_video.py",
+    ),
+}
