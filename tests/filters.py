@@ -13,3 +13,8 @@ def lenient(parameters: Parameters) -> float:
 def selective(parameters: Parameters) -> float:
     """Some corners of noise and of photographs pass, and some do not."""
     return 1.125 if parameters.texture == "mean" else 1.0
+
+
+def strict(parameters: Parameters) -> float:
+    """Even of lone squares, which stand out more than noise does, some corners do not pass."""
+    return 1.375 if parameters.texture == "mean" else 1.0

@@ -323,11 +323,11 @@ class Bench:
             assert got == value, f"{name} is {got} instead of {value}"
 
 
-async def usual(bench: Bench, width: int = 37, height: int = 29, **changes: int) -> None:
+async def usual(bench: Bench, **changes: int) -> None:
     """A small frame, and thresholds that let many corners pass."""
     p = bench.parameters
     settings = Settings.default(p, sigma1=0.01, sigma2=lenient(p), report_rejected=True)
-    await bench.configure(VideoSettings(width, height, settings, **changes))
+    await bench.configure(VideoSettings(37, 29, settings, **changes))
 
 
 def interrupted(packet: Packet, words: Records) -> bool:

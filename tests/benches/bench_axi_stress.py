@@ -17,6 +17,7 @@ from cocotbext.axi import AxiResp
 from golden import Settings
 from golden.video import NO_LIMIT, Event, VideoSettings
 from tests.benches.axi import Bench, draw
+from tests.benches.bench_axi_registers import READ_ONLY
 from tests.benches.common import Dut
 from tests.filters import lenient, selective
 from tests.malformed import FAULTS, Random, Video, whole
@@ -97,7 +98,7 @@ class Traffic:
         self.count["writes"] += 1
 
     async def _refused(self) -> None:
-        address = random.choice((0x00, 0x0C, 0x3C, 0x40, 0x4C, 0x50, 0x54, 0xFC))
+        address = random.choice((*READ_ONLY, 0x3C, 0x54, 0xFC))
         await self._bench.registers.write(address, random.getrandbits(32), AxiResp.SLVERR)
         self.count["refused writes"] += 1
 

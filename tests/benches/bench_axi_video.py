@@ -14,13 +14,13 @@ from golden.video import Event, VideoSettings
 from tests import malformed
 from tests.benches.axi import ROUNDS, Bench, draw
 from tests.benches.common import Dut
+from tests.filters import strict
 from tests.malformed import Random, marked
 
 
 async def configure(bench: Bench, random_: Random, width: int, height: int, **changes: int) -> None:
-    # even of the squares, which stand out more than noise does, some are rejected
-    sigma2 = 1.375 if bench.parameters.texture == "mean" else 1.0
-    settings = Settings.default(bench.parameters, sigma1=0.02, sigma2=sigma2, report_rejected=True)
+    p = bench.parameters
+    settings = Settings.default(p, sigma1=0.02, sigma2=strict(p), report_rejected=True)
     await bench.configure(VideoSettings(width, height, settings, **changes))
 
 

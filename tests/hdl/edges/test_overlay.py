@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -34,16 +33,10 @@ BUILDS = {
 builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys())
 
 
-def video_settings(
-    parameters: Parameters, width: int, height: int, sigma2: Callable[[Parameters], float] = lenient
-) -> VideoSettings:
+def video_settings(parameters: Parameters, width: int, height: int, sigma2: float) -> VideoSettings:
     # a constant reference: what is marked depends on the frame alone
     settings = Settings.default(
-        parameters,
-        sigma1=0.02,
-        sigma2=sigma2(parameters),
-        reference="constant",
-        max_corners=4 * parameters.budget,
+        parameters, sigma1=0.02, sigma2=sigma2, reference="constant", max_corners=4 * parameters.budget
     )
     return VideoSettings(width, height, settings)
 
@@ -74,7 +67,7 @@ def test_pixels_and_corners(parameters: Parameters, stalls: Stalls) -> None:
     images += [random.integers(0, 256, (MAX_HEIGHT, SUPPORT + 2), np.uint8) for _ in range(12)]
     changes, start, expected, edges = [], 0, [], 0
     for number, image in enumerate(images):
-        sigma2 = selective if number % 3 == 1 else lenient
+        sigma2 = selective(parameters) if number % 3 == 1 else lenient(parameters)
         video = video_settings(parameters, image.shape[1], image.shape[0], sigma2)
         changes.append((start, levels(video, parameters)))
         beats = beats_of(image, parameters, video.settings)
@@ -94,7 +87,7 @@ def test_full_rate_at_the_built_maximum(parameters: Parameters) -> None:
     """Neither input nor output ever waits: the overlay is deep enough."""
     runner = engine("compiled", PlainVideoDetector, parameters)
     images = [photograph(name)[:MAX_HEIGHT, :MAX_WIDTH] for name in ("camera", "brick", "grass")]
-    video = video_settings(parameters, MAX_WIDTH, MAX_HEIGHT)
+    video = video_settings(parameters, MAX_WIDTH, MAX_HEIGHT, lenient(parameters))
     words = payloads([beat for image in images for beat in marked(image)], parameters)
     capture = runner.run(Stimulus({"video": words}, [(0, levels(video, parameters))]), quiet=20 * MAX_WIDTH)
     clocks = capture.input_clocks["video"]
@@ -109,7 +102,7 @@ def test_malformed_video_comes_out_cut_and_then_exact(parameters: Parameters, st
     random = np.random.default_rng(4)
     width, height = 27, 24
     frames = random_video(random, 100, width, height)
-    video = video_settings(parameters, width, height)
+    video = video_settings(parameters, width, height, lenient(parameters))
     beats = [beat for _, frame in frames.frames for beat in frame]
     stimulus = Stimulus({"video": payloads(beats, parameters)}, [(0, levels(video, parameters))], stalls)
     capture = runner.run(stimulus, quiet=2000)
