@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Any
@@ -17,46 +16,17 @@ from numpy.typing import NDArray
 
 from cornerstream.errors import BadInput, reason
 from cornerstream.picture import draw_corners
-from golden import Corners, Flag
-
-COLUMNS = ("x", "y", "response", "accepted", "clamped", "not_maximum")
+from golden import Corners
 
 CSV_NAME = "corners.csv"
 PICTURE_NAME = "corners.png"
 
 
-def rows(corners: Corners) -> Iterator[tuple[float, float, int, int, int, int]]:
-    """One tuple per corner, in the order of :data:`COLUMNS`; positions are exact multiples of 1/128 pixel."""
-    accepted = corners.accepted
-    for index in range(len(corners)):
-        flags = int(corners.flags[index])
-        yield (
-            float(corners.x[index]),
-            float(corners.y[index]),
-            int(corners.response[index]),
-            int(accepted[index]),
-            int(bool(flags & Flag.CLAMPED)),
-            int(bool(flags & Flag.NOT_MAXIMUM)),
-        )
-
-
-def corners_csv(corners: Corners) -> str:
-    """The corners as CSV with a heading; flags are 0 or 1."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    # seven decimals hold 1/128 exactly
-    writer.writerows((f"{x:.7f}", f"{y:.7f}", *rest) for x, y, *rest in rows(corners))
-    return text.getvalue()
-
-
 def corners_json(corners: Corners, **about: Any) -> str:
     """The corners as a JSON object: what is said ``about`` them, and ``corners``, a list of objects."""
-    flags = COLUMNS[3:]
-    listed: list[dict[str, Any]] = [dict(zip(COLUMNS, row, strict=True)) for row in rows(corners)]
-    for corner in listed:
-        corner.update({flag: bool(corner[flag]) for flag in flags})
-    return json.dumps({**about, "corners": listed})
+    columns = corners.to_dict()
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    return json.dumps({**about, "corners": [dict(zip(columns, row, strict=True)) for row in rows]})
 
 
 def prepare_folder(folder: Path) -> None:
@@ -76,7 +46,7 @@ def write_results(folder: Path, pixels: NDArray[np.uint8], corners: Corners) -> 
     picture = io.BytesIO()
     draw_corners(pixels, corners).save(picture, format="PNG", optimize=True)
     contents = {
-        folder / CSV_NAME: corners_csv(corners).encode(),
+        folder / CSV_NAME: corners.to_csv().encode(),
         folder / PICTURE_NAME: picture.getvalue(),
     }
     write_all(contents)

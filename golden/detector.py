@@ -13,9 +13,10 @@ from golden.adaptation import adapted_threshold, histogram
 from golden.adaptive_threshold import adaptive_threshold
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
+from golden.corners import ByValue, Corners
 from golden.normal_equations import PIXEL_SIZE
-from golden.output_constructor import Corners, FrameEnd, Records, decode, encode, encode_frame_end
-from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings, check_integer
+from golden.output_constructor import FrameEnd, Records, decode, encode, encode_frame_end
+from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings, check_integer, check_type
 from golden.preprocessing import Image, IntArray, gradients, products
 from golden.response import response
 from golden.response_filter import response_filter
@@ -33,8 +34,26 @@ def pixel_dtype(parameters: Parameters) -> np.dtype[np.unsignedinteger[Any]]:
     return np.dtype(np.uint8 if parameters.pixel_bits <= 8 else np.uint16)
 
 
+def chosen_parameters(parameters: Parameters | None) -> Parameters:
+    """The detector that was asked for, by default the profile ``paper``; ``TypeError`` if it is something else."""
+    if parameters is None:
+        return Parameters()
+    check_type("parameters", parameters, Parameters)
+    return parameters
+
+
+def chosen_settings(settings: Settings | None, parameters: Parameters) -> Settings:
+    """The thresholds that were asked for; ``TypeError`` or ``ValueError`` if this detector cannot have them."""
+    if settings is None:
+        return Settings.default(parameters)
+    check_type("settings", settings, Settings)
+    settings.check(parameters)
+    return settings
+
+
 def check_image(image: object, parameters: Parameters) -> Image:
     """The image itself if this detector can take it, else ``TypeError`` or ``ValueError`` saying why."""
+    check_type("parameters", parameters, Parameters)
     if not isinstance(image, np.ndarray) or isinstance(image, (np.ma.MaskedArray, np.matrix)):
         raise TypeError(f"image is a {type(image).__name__}; allowed: a plain NumPy array")
     dtype = pixel_dtype(parameters)
@@ -171,12 +190,11 @@ def detect(
     Raises
     ------
     TypeError, ValueError
-        Wrong dtype, rank or size; constant, floor or reference out of range.
+        Wrong type, dtype, rank or size; thresholds or reference that this detector cannot have.
     """
-    parameters = parameters or Parameters()
-    settings = settings or Settings.default(parameters)
+    parameters = chosen_parameters(parameters)
+    settings = chosen_settings(settings, parameters)
     image = check_image(image, parameters)
-    settings.check(parameters)
     responses = response_map(image, parameters)
     if reference is None:
         reference = choose_reference(settings, int(responses.max()))
@@ -189,8 +207,8 @@ def detect(
     return decode(within_budget(records, settings))
 
 
-@dataclass(frozen=True)
-class FrameResult:
+@dataclass(frozen=True, eq=False)
+class FrameResult(ByValue):
     """One frame as the hardware delivers it: all its records, the last one marking its end.
 
     ``found`` counts the corners that ``max_corners`` left out, too; ``t1`` is the threshold they are above.
@@ -210,7 +228,7 @@ class StreamModel:
     """
 
     def __init__(self, parameters: Parameters | None = None) -> None:
-        self.parameters = parameters or Parameters()
+        self.parameters = chosen_parameters(parameters)
         self.reset()
 
     def reset(self) -> None:
@@ -223,9 +241,8 @@ class StreamModel:
         self, image: NDArray[np.unsignedinteger[Any]], settings: Settings | None = None
     ) -> FrameResult:
         """Next frame of the stream; raises what :func:`detect` raises."""
-        settings = settings or Settings.default(self.parameters)
+        settings = chosen_settings(settings, self.parameters)
         image = check_image(image, self.parameters)
-        settings.check(self.parameters)
         responses = response_map(image, self.parameters)
         maximum = int(responses.max())
         reference = choose_reference(settings, self._previous_maximum)

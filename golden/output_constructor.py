@@ -28,14 +28,13 @@ bits    end-of-frame record
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import IntFlag
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.parameters import COORDINATE_BITS, OFFSET_BITS
+from golden.corners import Corners, Flag
+from golden.parameters import COORDINATE_BITS, OFFSET_BITS, check_integer, is_whole
 from golden.preprocessing import IntArray
 from golden.subpixel import Offset
 
@@ -49,50 +48,8 @@ COUNT_BITS = 24
 FRAME_BITS = 16
 
 
-class Flag(IntFlag):
-    """Bits 63:61 of a record."""
-
-    CLAMPED = 1
-    NOT_MAXIMUM = 2
-    TEXTURED = 4
-
-
 END_OF_FRAME = Flag.CLAMPED | Flag.NOT_MAXIMUM
 CUT_SHIFT = 63
-
-
-@dataclass(frozen=True)
-class Corners:
-    """Corners in raster order, as parallel arrays of one length; empty arrays where there are none.
-
-    Attributes
-    ----------
-    x, y
-        float64 position in pixels, the first pixel's centre at (0, 0), exact multiples of 1/128.
-    response
-        int64 corner response D (float64 from the float reference, whose x and y are not quantised either).
-    flags
-        uint8, bits of :class:`Flag`.
-    """
-
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    response: NDArray[np.int64] | NDArray[np.float64]
-    flags: NDArray[np.uint8]
-
-    def __len__(self) -> int:
-        return len(self.x)
-
-    @property
-    def accepted(self) -> NDArray[np.bool_]:
-        """True where the texture filter let the corner pass."""
-        return (self.flags & Flag.TEXTURED) == 0
-
-    def points(self) -> NDArray[np.float32]:
-        """The accepted corners as OpenCV takes them: (N, 1, 2) float32, x before y."""
-        points = np.empty((int(self.accepted.sum()), 1, 2), np.float32)
-        points[:, 0, 0], points[:, 0, 1] = self.x[self.accepted], self.y[self.accepted]
-        return points
 
 
 class FrameEnd(NamedTuple):
@@ -135,15 +92,18 @@ def encode_frame_end(end: FrameEnd) -> int:
     )
 
 
-def _fields(words: Records) -> tuple[Records, NDArray[np.uint8]]:
-    words = np.asarray(words, dtype=np.uint64).reshape(-1)
-    flags = (words >> np.uint64(FLAG_SHIFT)).astype(np.uint8)
-    return words, flags
-
-
 def decode(words: Records) -> Corners:
-    """Corners of an array of 64-bit records; end-of-frame records are left out."""
-    words, flags = _fields(words)
+    """Corners of an array of 64-bit records, (n,) uint64; end-of-frame records are left out.
+
+    ``TypeError`` or ``ValueError`` for anything else: other types would not hold the same 64 bits.
+    """
+    if not isinstance(words, np.ndarray):
+        raise TypeError(f"records are a {type(words).__name__}; allowed: a NumPy array of uint64")
+    if not np.issubdtype(words.dtype, np.uint64):
+        raise TypeError(f"records have dtype {words.dtype}; allowed: uint64")
+    if words.ndim != 1:
+        raise ValueError(f"records have shape {words.shape}; allowed: (n,)")
+    flags = (words >> np.uint64(FLAG_SHIFT)).astype(np.uint8)
     keep = (flags & END_OF_FRAME) != END_OF_FRAME
     words, flags = words[keep], flags[keep]
 
@@ -159,7 +119,18 @@ def decode(words: Records) -> Corners:
 
 
 def decode_frame_end(word: int) -> FrameEnd:
-    """Fields of one end-of-frame record; ``ValueError`` if the word is a corner record."""
+    """Fields of one end-of-frame record.
+
+    Raises
+    ------
+    TypeError
+        The word is no whole number.
+    ValueError
+        It has more than 64 bits, or is a corner record.
+    """
+    if not is_whole(word):
+        raise TypeError(f"record is a {type(word).__name__}; allowed: a whole number")
+    check_integer("record", word, 0, (1 << RECORD_BITS) - 1)
     word = int(word)
     if (word >> FLAG_SHIFT) & END_OF_FRAME != END_OF_FRAME:
         raise ValueError(f"record {word:#018x} is not an end-of-frame record (bits 62:61 must be 0b11)")

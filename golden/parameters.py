@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 from numbers import Integral, Real
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypeGuard, get_args
 
 Gradient = Literal["absolute", "signed"]
 Derivative = Literal["central", "sobel"]
@@ -49,17 +49,26 @@ MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10
 
 def _check_choice(field: str, value: object, allowed: object) -> None:
     choices = get_args(allowed)
-    if value not in choices:
+    # an array would compare itself with each of them
+    if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{field} is {value!r}; allowed: {', '.join(choices)}")
 
 
-def check_integer(field: str, value: object, low: int, high: int) -> None:
-    """Raise ``ValueError`` naming the field, its value and what is allowed, unless low <= value <= high.
+def is_whole(value: object) -> TypeGuard[int]:
+    """Is this a whole number? NumPy's integers are as good as Python's, truth values are none."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
 
-    NumPy's integers are as good as Python's.
-    """
-    if isinstance(value, bool) or not isinstance(value, Integral) or not low <= int(value) <= high:
+
+def check_integer(field: str, value: object, low: int, high: int) -> None:
+    """Raise ``ValueError`` naming the field, its value and what is allowed, unless low <= value <= high."""
+    if not (is_whole(value) and low <= int(value) <= high):
         raise ValueError(f"{field} is {value!r}; allowed: whole numbers from {low} to {high}")
+
+
+def check_type(name: str, value: object, kind: type) -> None:
+    """Raise ``TypeError`` naming the argument, what it is and what is allowed, unless it is of this kind."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} is a {type(value).__name__}; allowed: {kind.__name__}")
 
 
 def _plain_integer(frozen: object, field: str, low: int, high: int) -> None:
@@ -348,7 +357,11 @@ PROFILES: dict[str, Parameters] = {
 
 
 def profile(name: str, **changes: Any) -> Parameters:
-    """The named profile with some fields changed; ``ValueError`` if there is no such profile."""
+    """The named profile with some fields changed; ``ValueError`` if there is no such profile, or field's value.
+
+    ``TypeError`` if the name is no string, or there is no such field.
+    """
+    check_type("profile", name, str)
     if name not in PROFILES:
         raise ValueError(f"profile is {name!r}; allowed: {', '.join(PROFILES)}")
     return replace(PROFILES[name], **changes)

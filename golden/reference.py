@@ -10,14 +10,15 @@ Every map has the size of the image and is indexed ``[y, x]``; NaN where the fra
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from golden.detector import check_image
-from golden.output_constructor import Corners, Flag
+from golden.corners import Corners, Flag
+from golden.detector import check_image, chosen_parameters, chosen_settings
 from golden.parameters import MARGIN, Derivative, Fit, Gradient, Parameters, Patches, Settings, Ties
 
 MAX_WEIGHT = 15 / 8
@@ -194,15 +195,18 @@ def reference_detect(
     Positions are not quantised, and ``response`` is float64. A target is met exactly, where no sigma1 · floor and no
     equal responses are in the way.
     """
-    parameters = parameters or Parameters()
-    settings = settings or Settings.default(parameters)
+    parameters = chosen_parameters(parameters)
+    settings = chosen_settings(settings, parameters)
     image = check_image(image, parameters)
-    settings.check(parameters)
     responses = response_map(image, parameters.gradient, parameters.derivative)
     peaks = binomial(responses) if parameters.response_filter == "binomial" else responses
     if reference is None:
         constant = settings.reference == "constant"
         reference = max(settings.constant if constant else float(np.nanmax(responses)), settings.floor)
+    elif isinstance(reference, bool) or not isinstance(reference, Real):
+        raise TypeError(f"reference is a {type(reference).__name__}; allowed: a number or None")
+    elif not 0 <= reference <= parameters.response_max:
+        raise ValueError(f"reference is {reference!r}; allowed: 0 to {parameters.response_max}")
     t1, t2 = settings.sigma1 * reference, settings.sigma2 * reference
 
     def judge(y: int, x: int, t1: float) -> tuple[float, bool]:

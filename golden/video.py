@@ -27,9 +27,10 @@ from enum import IntFlag
 
 import numpy as np
 
+from golden.corners import ByValue
 from golden.detector import frame_records, next_threshold, pixel_dtype, response_map, within_budget
 from golden.output_constructor import COUNT_BITS, FrameEnd, Records, encode_frame_end
-from golden.parameters import SUPPORT, Parameters, Settings, check_integer
+from golden.parameters import SUPPORT, Parameters, Settings, check_integer, check_type
 from golden.preprocessing import Image
 from golden.thresholds import Thresholds, choose_reference, thresholds
 
@@ -94,15 +95,18 @@ class VideoSettings:
     max_records: int = NO_LIMIT
 
     def check(self, parameters: Parameters) -> None:
-        """Raise ``ValueError`` if a detector built so cannot be set so."""
+        """Raise ``TypeError`` or ``ValueError`` if a detector built so cannot be set so."""
         check_integer("width", self.width, SUPPORT, parameters.max_width)
         check_integer("height", self.height, SUPPORT, parameters.max_height)
         check_integer("max_records", self.max_records, 0, NO_LIMIT)
+        check_type("enabled", self.enabled, bool)
+        check_type("ignore_eol", self.ignore_eol, bool)
+        check_type("settings", self.settings, Settings)
         self.settings.check(parameters)
 
 
-@dataclass(frozen=True)
-class Packet:
+@dataclass(frozen=True, eq=False)
+class Packet(ByValue):
     """What a frame that began gives: records, of which the last closes it.
 
     Parameters
@@ -145,6 +149,7 @@ class VideoModel:
     """
 
     def __init__(self, parameters: Parameters) -> None:
+        check_type("parameters", parameters, Parameters)
         self.parameters = parameters
         self.reset()
 
@@ -173,11 +178,16 @@ class VideoModel:
         return self._adapted
 
     def feed(self, beats: Iterable[tuple[int, bool, bool]], video: VideoSettings) -> list[Packet]:
-        """Packets of the frames that end with these beats: ``(pixel, start of frame, end of line)``."""
+        """Packets of the frames that end with these beats: ``(pixel, start of frame, end of line)``.
+
+        ``TypeError`` or ``ValueError`` if a detector built so cannot be set so or, at a pixel's turn, cannot take it.
+        """
+        check_type("video", video, VideoSettings)
         video.check(self.parameters)
         return [packet for beat in beats for packet in self._feed(*beat, video)]
 
     def _feed(self, pixel: int, sof: bool, eol: bool, video: VideoSettings) -> list[Packet]:
+        check_integer("pixel", pixel, 0, self.parameters.pixel_max)
         packets = []
         if self._now is not None and sof:
             self.events |= Event.SOF_EARLY

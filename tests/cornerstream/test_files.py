@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from cornerstream.errors import BadInput
-from cornerstream.files import corners_csv, corners_json, prepare_folder, write_all, write_results
+from cornerstream.files import corners_json, prepare_folder, write_all, write_results
 from cornerstream.picture import ACCEPTED, REJECTED, draw_corners, scale_for
 from golden import Corners, Flag
 
@@ -31,7 +31,7 @@ def count(picture: Image.Image, colour: tuple[int, int, int]) -> int:
 
 
 def test_csv() -> None:
-    assert corners_csv(CORNERS) == (
+    assert CORNERS.to_csv() == (
         "x,y,response,accepted,clamped,not_maximum\n"
         "10.5000000,12.0000000,130050,1,0,0\n"
         "20.0078125,25.9921875,7,0,1,0\n"
@@ -42,12 +42,12 @@ def test_csv() -> None:
 def test_csv_holds_positions_exactly() -> None:
     steps = np.arange(0, 8192, 1 / 128)[-1000:]
     same = np.zeros(len(steps), dtype=np.int64)
-    text = corners_csv(Corners(steps, steps, same, same.astype(np.uint8)))
+    text = Corners(steps, steps, same, same.astype(np.uint8)).to_csv()
     assert [float(row["x"]) for row in csv.DictReader(io.StringIO(text))] == steps.tolist()
 
 
 def test_csv_without_corners_is_its_heading() -> None:
-    assert corners_csv(NO_CORNERS) == "x,y,response,accepted,clamped,not_maximum\n"
+    assert NO_CORNERS.to_csv() == "x,y,response,accepted,clamped,not_maximum\n"
 
 
 def test_json() -> None:
@@ -101,7 +101,7 @@ def test_results_are_written(tmp_path: Path) -> None:
     paths = write_results(tmp_path, np.zeros((30, 40), np.uint8), CORNERS)
     assert [path.name for path in paths] == ["corners.csv", "corners.png"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["corners.csv", "corners.png"]
-    assert paths[0].read_text() == corners_csv(CORNERS)
+    assert paths[0].read_text() == CORNERS.to_csv()
     with Image.open(paths[1]) as picture:
         assert picture.mode == "RGB"
 
