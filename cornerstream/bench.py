@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from cornerstream.errors import BadInput, one_line
+from cornerstream.idle import Idle, refuse_idle
 from cornerstream.tools import running_tools
 from sim.compiler import find_compiler
 
@@ -32,6 +33,7 @@ def bench(repeats: int, turns: int, no_engines: bool, as_json: bool) -> None:
       cornerstream bench --no-engines --repeats 50
       cornerstream bench --json > build/speed.json
     """
+    refuse_idle(Idle("turns", no_engines, "without --no-engines"))
     from evaluation import speed
 
     try:

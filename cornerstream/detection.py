@@ -11,10 +11,11 @@ from rich.table import Table
 
 from cornerstream import console
 from cornerstream.files import corners_json, prepare_folder, write_results
+from cornerstream.idle import Idle, refuse_idle
 from cornerstream.images import load
 from cornerstream.options import (
-    detector_options,
     image_argument,
+    model_options,
     output_option,
     parameters_from,
     settings_from,
@@ -26,7 +27,7 @@ from golden import detect as golden_detect
 
 @click.command(short_help="Golden model on one image.")
 @image_argument
-@detector_options
+@model_options
 @threshold_options
 @output_option(None, "Folder for corners.csv and corners.png.  [default: build, or no files with --json]")
 @click.option("--json", "as_json", is_flag=True, help="Print the corners as JSON instead of a table.")
@@ -44,6 +45,11 @@ def detect(image: Path, output: Path | None, as_json: bool, **options: Any) -> N
     """
     parameters = parameters_from(options, hardware=False)
     settings = settings_from(options, parameters)
+    aimed = settings.target_corners > 0 and parameters.texture == "mean"
+    refuse_idle(
+        Idle("reference", aimed, "without --target-corners, or with --texture patches"),
+        Idle("constant", aimed or settings.reference != "constant", "with --reference constant"),
+    )
     photograph = load(image, parameters)
     console.remarks(photograph)
     if output is None and not as_json:

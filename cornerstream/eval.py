@@ -11,15 +11,16 @@ import click
 
 from cornerstream import console
 from cornerstream.errors import BadInput, one_line
-from cornerstream.eval_tables import tables
+from cornerstream.eval_tables import TABULATED, tables
 from cornerstream.files import prepare_folder, read_figures, write_all
+from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import output_option
 from cornerstream.own_data import load_boards, load_images, load_pairs, load_video
 from cornerstream.tools import running_tools
 from evaluation.packages import MissingPackageError
 from evaluation.pictures import pictures
 from evaluation.plots import plots
-from evaluation.study import SECTIONS, Own, Record, Section, study
+from evaluation.study import NOT_QUICK, SECTIONS, Own, Record, Section, study
 from evaluation.study_page import FIGURES_NAME, PAGE_NAME, PICTURES, page
 from golden import PROFILES, Parameters
 
@@ -37,7 +38,8 @@ _PATH = click.Path(path_type=Path)
     "--only",
     multiple=True,
     type=click.Choice(SECTIONS),
-    help="Measure this only; may be given again.  [default: everything]",
+    help=f"Measure this only; may be given again. Without --json and --output: {', '.join(TABULATED)}, "
+    f"which have tables; with --quick not {' or '.join(NOT_QUICK)}.  [default: all of these]",
 )
 @click.option(
     "--profile",
@@ -98,6 +100,7 @@ def evaluate(
       cornerstream eval --only chessboards --boards boards/ --board-size 9x6
       cornerstream eval --output build/evaluation
     """
+    _refuse_idle(page_only, quick, only, boards, shown=not (as_json or output))
     if (output or page_only) and importlib.util.find_spec("matplotlib") is None:
         raise BadInput("matplotlib is not installed; get it with: pip install 'cornerstream[eval]'")
     if page_only:
@@ -119,7 +122,7 @@ def evaluate(
         with running_tools():
             result = study(
                 profiles=chosen,
-                sections=only or SECTIONS,
+                sections=only or _sections(quick=quick, shown=not (as_json or output)),
                 quick=quick,
                 own=own,
                 progress=console.progress,
@@ -133,6 +136,46 @@ def evaluate(
         return
     for table in tables(result):
         console.show(table)
+
+
+def _sections(*, quick: bool, shown: bool) -> tuple[Section, ...]:
+    """What is measured unless the user says so: no minutes for what would not be ``shown`` as a table."""
+    left_out = NOT_QUICK if quick else ()
+    return tuple(section for section in (TABULATED if shown else SECTIONS) if section not in left_out)
+
+
+def _refuse_idle(
+    page_only: bool, quick: bool, only: tuple[Section, ...], boards: Path | None, *, shown: bool
+) -> None:
+    measuring = "without --page, which measures nothing"
+    names = ("quick", "as_json", "only", "profiles", "images", "pairs", "videos", "boards", "board_size")
+    refuse_idle(*(Idle(name, page_only, measuring) for name in names))
+    for section in only:
+        if quick and section in NOT_QUICK:
+            raise BadInput(
+                f"--only is {section}, which is not measured with --quick; allowed: without --quick"
+            )
+        if shown and section not in TABULATED:
+            raise BadInput(
+                f"--only is {section}, which has no table; allowed: with --json or --output, or "
+                f"{', '.join(TABULATED)}"
+            )
+    views: tuple[Section, ...] = ("repeatability", "robustness", "texture")
+    users: dict[str, tuple[Section, ...]] = {
+        "profiles": (*TABULATED, "word_lengths"),
+        "images": views,
+        "pairs": views,
+        "videos": views[1:],
+        "boards": ("chessboards",),
+    }
+    chosen = only or _sections(quick=quick, shown=shown)
+    refuse_idle(
+        *(
+            Idle(name, not set(used) & set(chosen), f"with --only {' or '.join(used)}")
+            for name, used in users.items()
+        ),
+        Idle("board_size", boards is None, "with --boards"),
+    )
 
 
 def _page(result: Record, folder: Path) -> dict[Path, bytes]:

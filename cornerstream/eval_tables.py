@@ -10,8 +10,12 @@ from rich.table import Table
 from evaluation.detectors import PLAIN
 from evaluation.markdown import figure, percent, spread
 from evaluation.paper_accuracy import MEAN_ERROR, MEAN_ERROR_INTEGER
+from evaluation.study import Section
 
 Record = dict[str, Any]
+
+TABULATED: tuple[Section, ...] = ("accuracy", "table5", "chessboards", "repeatability", "robustness")
+"""Sections that have a table here; all of them are on the page and in the JSON."""
 
 
 def tables(study: Record) -> Iterator[Table]:

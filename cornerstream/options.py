@@ -9,6 +9,7 @@ from typing import Any, TypeVar, get_args
 import click
 
 from cornerstream.errors import BadInput, bad_input
+from cornerstream.idle import Idle, refuse_idle
 from golden import PROFILES, Parameters, Settings, profile
 from golden.parameters import (
     MAX_SUPPRESSION,
@@ -56,7 +57,7 @@ def _setting(name: str, kind: Any, text: str, **more: Any) -> Callable[[Command]
     return click.option(name, type=kind, default=usual, show_default=True, help=text, **more)
 
 
-detector_options = _together(
+_choices = _together(
     click.option(
         "--profile",
         type=click.Choice(list(PROFILES)),
@@ -79,8 +80,12 @@ detector_options = _together(
         metavar="R",
         help=f"Corners are at least R+1 pixels apart, 1 to {MAX_SUPPRESSION}. Default: the profile's.",
     ),
+)
+_hardware = _together(
     click.option("--budget", is_flag=True, help="With --max-corners and --target-corners, for run time."),
     _choice("--buffering", Buffering, "Line buffers: N+1 banks as the paper, or N-1 rows."),
+)
+_size = _together(
     click.option(
         *("--max-width", "--width"),
         type=int,
@@ -96,6 +101,11 @@ detector_options = _together(
         help="Built maximum.",
     ),
 )
+
+model_options = _together(_choices, _size)
+"""What the corners depend on, and how large an image may be."""
+detector_options = _together(_choices, _hardware, _size)
+"""The same, and what changes the hardware but no corner."""
 
 pixel_bits_option = click.option(
     "--pixel-bits",
@@ -179,6 +189,17 @@ def parameters_from(options: dict[str, Any], *, hardware: bool) -> Parameters:
         parameters = profile(options["profile"], **changes)
         if "interface" in options:
             check_core(parameters, options["interface"])
+    usual = PROFILES[options["profile"]]
+    bare = options.get("interface") == "stream"
+    refuse_idle(
+        Idle(
+            "patches",
+            parameters.texture == "mean" and parameters.patches != usual.patches,
+            "with --texture patches",
+        ),
+        Idle("video_out", bare, "with --interface axi"),
+        Idle("autostart", bare, "with --interface axi or avalon"),
+    )
     return parameters
 
 
@@ -188,4 +209,18 @@ def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
         for field in ("constant", "floor"):
             check_integer(field, options[field], 1, parameters.response_max)
         settings = Settings(**{field: options[field] for field in _THRESHOLDS}, report_rejected=True)
+    constant = settings.reference == "constant"
+    refuse_idle(
+        Idle(
+            "constant",
+            constant and settings.constant < settings.floor,
+            f"from --floor on, which is {settings.floor}",
+        ),
+        # a target's T1 is never below sigma1 times the floor
+        Idle(
+            "floor",
+            constant and settings.floor < settings.constant and not settings.target_corners,
+            f"with --reference previous, or above --constant, which is {settings.constant}",
+        ),
+    )
     return settings

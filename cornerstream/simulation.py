@@ -16,6 +16,7 @@ from rich.table import Table
 from cornerstream import console
 from cornerstream.errors import BadInput, Failed, bad_input
 from cornerstream.files import prepare_folder, write_results
+from cornerstream.idle import Idle, refuse_idle
 from cornerstream.images import default_photograph, load
 from cornerstream.options import (
     detector_options,
@@ -151,7 +152,17 @@ def _run_from(options: dict[str, Any]) -> Run:
         stalls = Stalls(options["stall_input"], options["stall_output"], options["seed"])
     if (vcd := options["vcd"]) is not None and (vcd.suffix != ".vcd" or vcd.is_dir()):
         raise BadInput(f"waves cannot be written to {str(vcd)!r}; allowed: a file whose name ends in .vcd")
-    return Run(options["engine"], options["frames"], stalls, options["vcd"], options["vcd_clocks"])
+    refuse_idle(
+        Idle(
+            "seed",
+            not (options["stall_input"] or options["stall_output"]),
+            "with --stall-input or --stall-output",
+        ),
+        Idle("vcd_clocks", vcd is None, "with --vcd"),
+        # a frame's target changes the next one's threshold
+        Idle("target_corners", options["frames"] == 1, "with --frames 2 or more"),
+    )
+    return Run(options["engine"], options["frames"], stalls, vcd, options["vcd_clocks"])
 
 
 def _check_tools(engine: str) -> None:

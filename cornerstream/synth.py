@@ -12,6 +12,7 @@ from rich.table import Table
 
 from cornerstream import console
 from cornerstream.files import prepare_folder, write_all
+from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import (
     detector_options,
     edge_options,
@@ -67,6 +68,7 @@ def synth(
       cornerstream synth --no-timing --plot build/area.png --netlist build/netlist.v
     """
     parameters = parameters_from({"profile": profile, "interface": interface, **options}, hardware=True)
+    refuse_idle(Idle("seed", no_timing, "without --no-timing"))
     with running_tools():
         tools = {name: require(name) for name in _packages(no_timing)}
         if plot is not None:

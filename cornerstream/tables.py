@@ -11,6 +11,7 @@ import click
 from cornerstream import console
 from cornerstream.errors import Failed, one_line
 from cornerstream.files import prepare_folder, read_figures, write_all
+from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import output_option
 from cornerstream.tools import running_tools
 from evaluation.comparison import FIGURES_NAME, PAGE_NAME, page
@@ -46,6 +47,8 @@ def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool
       cornerstream tables --quick
       cornerstream tables --page
     """
+    measuring = "without --page, which measures nothing"
+    refuse_idle(*(Idle(name, page_only, measuring) for name in ("quick", "no_synthesis", "jobs")))
     folder = output if output is not None else CACHE if quick else Path("docs")
     prepare_folder(folder)
     if page_only:

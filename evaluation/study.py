@@ -38,6 +38,8 @@ Section = Literal[
     "word_lengths",
 ]
 SECTIONS: tuple[Section, ...] = get_args(Section)
+NOT_QUICK: tuple[Section, ...] = ("adaptation", "word_lengths")
+"""Sections of which there is no tenth: with ``quick`` they are left out."""
 Progress = Callable[[str, int], AbstractContextManager[Callable[[int], None]]]
 """Called with what is being measured and how many steps it takes; gives what is to be called with steps done."""
 

@@ -196,10 +196,11 @@ def test_command_hands_on_what_the_user_gave(tmp_path: Path, monkeypatch: pytest
             "--video",
             "film",
         ),
-        *("--quick", "--only", "robustness", "--profile", "paper", "--json"),
+        *("--quick", "--only", "robustness", "--only", "chessboards", "--profile", "paper", "--json"),
     )
     assert result.exit_code == 0, result.output
-    assert given["quick"] and given["sections"] == ("robustness",) and list(given["profiles"]) == ["paper"]
+    assert given["quick"] and list(given["profiles"]) == ["paper"]
+    assert given["sections"] == ("robustness", "chessboards")
     own = given["own"]
     assert [(each.name, each.group) for each in own.images] == [("a/1.png", "a"), ("b/2.jpg", "b")]
     (pair,) = own.pairs
