@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import click
@@ -30,8 +30,9 @@ def remarks(photograph: Photograph) -> None:
 
 
 def say(line: str) -> None:
-    """A line for the user that is no result."""
-    click.echo(line, err=True)
+    """A line for the user that is no result: where nobody can read it, all else goes on."""
+    with suppress(OSError):
+        click.echo(line, err=True)
 
 
 def files_written(paths: list[Path]) -> None:

@@ -2,23 +2,41 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any
+from contextlib import contextmanager, suppress
+from typing import IO, Any
 
 import click
 
 
-class BadInput(click.ClickException):
+class Ended(click.ClickException):
+    """What ends a command: one line on stderr, if anybody listens there, and an exit code."""
+
+    def show(self, file: IO[Any] | None = None) -> None:
+        with suppress(OSError):
+            super().show(file)
+
+
+class BadInput(Ended):
     """Something the user gave cannot be used; the message names it and what is allowed. Exit code 2."""
 
     exit_code = 2
 
 
-class Failed(click.ClickException):
+class Failed(Ended):
     """The run itself failed. Exit code 1."""
 
     exit_code = 1
+
+
+class Interrupted(Ended):
+    """Ctrl-C. Exit code 130, as shells have it: 128 and the number of the signal."""
+
+    exit_code = 130
+
+    def __init__(self) -> None:
+        super().__init__("interrupted")
 
 
 @contextmanager
@@ -41,24 +59,36 @@ def reason(error: OSError) -> str:
 
 
 @contextmanager
-def _usage_in_one_line() -> Iterator[None]:
+def _in_one_line() -> Iterator[None]:
+    """Turn whatever ends a command into a line and an exit code."""
     try:
         yield
-    except click.exceptions.NoArgsIsHelpError:
-        raise
     except click.UsageError as error:
         # click would print the usage above the message
         help_hint = f" (see '{error.ctx.command_path} --help')" if error.ctx else ""
         raise BadInput(error.format_message().rstrip(".") + help_hint) from error
+    except KeyboardInterrupt as error:
+        raise Interrupted from error
+    except BrokenPipeError:
+        # whoever reads has seen enough; click ends without a word
+        raise
+    except OSError as error:
+        # stdout has no name: what it leads to may be full
+        raise Failed(f"{error.filename or 'the output'}: {reason(error)}") from error
 
 
 class OneLineGroup(click.Group):
-    """A group of commands whose usage errors take one line, too."""
+    """A group of commands that end in one line at most, whatever ends them; without arguments, it shows its help."""
 
-    def make_context(self, *args: Any, **extra: Any) -> click.Context:
-        with _usage_in_one_line():
-            return super().make_context(*args, **extra)
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
+    ) -> click.Context:
+        with _in_one_line():
+            return super().make_context(info_name, args or ["--help"], parent, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
-        with _usage_in_one_line():
-            return super().invoke(ctx)
+        with _in_one_line():
+            result = super().invoke(ctx)
+            # while what goes wrong can still be told
+            sys.stdout.flush()
+            return result

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import os
 import shutil
+import stat
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Any
 
 import numpy as np
+from click import ClickException
 from numpy.typing import NDArray
 
-from cornerstream.errors import BadInput, reason
+from cornerstream.errors import BadInput, Failed, reason
 from cornerstream.picture import draw_corners
 from golden import Corners
 
@@ -53,28 +57,86 @@ def write_results(folder: Path, pixels: NDArray[np.uint8], corners: Corners) -> 
     return list(contents)
 
 
+def prepare_file(path: Path) -> None:
+    """See that a file can be written, before long work begins; its folder is made if need be."""
+    _refuse_folder(path)
+    if not _is_written_through(path):
+        prepare_folder(_target(path).parent)
+    elif not os.access(path, os.W_OK):
+        raise _cannot_write(path, PermissionError(errno.EACCES, os.strerror(errno.EACCES)))
+
+
+def _refuse_folder(path: Path) -> None:
+    if path.is_dir():
+        raise _cannot_write(path, IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR)))
+
+
 def write_all(contents: Mapping[Path, bytes]) -> None:
-    """Write files under temporary names, renamed when all are complete: none is ever half written."""
+    """Write files under temporary names, renamed when all are complete: none is ever half written.
+
+    A link stays, and what it leads to is replaced. What is no regular file, such as a pipe or a device, is
+    written to when all else could be.
+    """
     temporary: dict[Path, Path] = {}
     for path in contents:
-        if path.is_dir():
-            raise BadInput(f"cannot write {path}: Is a directory; allowed: a file that can be written")
+        _refuse_folder(path)
+    through = [path for path in contents if _is_written_through(path)]
     try:
-        for path, content in contents.items():
-            with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}-", delete=False) as file:
-                temporary[path] = Path(file.name)
-                file.write(content)
+        for path in contents.keys() - set(through):
+            target = _target(path)
+            with NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}-", delete=False) as file:
+                temporary[target] = Path(file.name)
+                file.write(contents[path])
             # temporary files are private; these are for everybody whom the umask allows
-            temporary[path].chmod(0o666 & ~_umask())
+            temporary[target].chmod(0o666 & ~_umask())
+        for path in through:
+            _write_through(path, contents[path])
         for path, complete in temporary.items():
             os.replace(complete, path)
+    except BrokenPipeError:
+        raise
     except OSError as error:
-        raise BadInput(
-            f"cannot write {path}: {reason(error)}; allowed: a file that can be written"
-        ) from error
+        raise _cannot_write(path, error) from error
     finally:
         for leftover in temporary.values():
             leftover.unlink(missing_ok=True)
+
+
+def _target(path: Path) -> Path:
+    """The file itself, where the path is a link to it."""
+    return Path(os.path.realpath(path))
+
+
+def _is_written_through(path: Path) -> bool:
+    """Whether there is something that must stay: a pipe, a device, or what stdout or stderr lead to."""
+    try:
+        status = path.stat()
+    except OSError:
+        return False
+    return not stat.S_ISREG(status.st_mode) or _standard_stream(status) is not None
+
+
+def _standard_stream(status: os.stat_result) -> int | None:
+    # by what they are, for /dev/stdout is a link to a link
+    for number in (1, 2):
+        with suppress(OSError):
+            if os.path.samestat(status, os.fstat(number)):
+                return number
+    return None
+
+
+def _write_through(path: Path, content: bytes) -> None:
+    number = _standard_stream(path.stat())
+    # opened anew, a file that stdout leads to would lose what is there already
+    with open(path if number is None else os.dup(number), "wb") as file:
+        file.write(content)
+
+
+def _cannot_write(path: Path, error: OSError) -> ClickException:
+    text = f"cannot write {path}: {reason(error)}"
+    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
+        return Failed(text)
+    return BadInput(f"{text}; allowed: a file that can be written")
 
 
 def read_figures(path: Path) -> dict[str, Any]:

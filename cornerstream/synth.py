@@ -11,7 +11,7 @@ import click
 from rich.table import Table
 
 from cornerstream import console
-from cornerstream.files import prepare_folder, write_all
+from cornerstream.files import prepare_file, write_all
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import (
     detector_options,
@@ -74,7 +74,7 @@ def synth(
         if plot is not None:
             check_plot(plot)
         for path in filter(None, (netlist, plot)):
-            prepare_folder(path.parent)
+            prepare_file(path)
         console.say("Mapping to Cyclone IV (Yosys)")
         with console.activity("Mapping to Cyclone IV"):
             synthesis = synthesize(parameters, interface)

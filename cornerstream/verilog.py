@@ -10,7 +10,7 @@ import click
 
 from cornerstream import console
 from cornerstream.errors import bad_input
-from cornerstream.files import prepare_folder, write_all
+from cornerstream.files import prepare_file, write_all
 from cornerstream.options import (
     detector_options,
     edge_options,
@@ -41,7 +41,7 @@ def verilog(output: Path | None, interface: Interface, **options: Any) -> None:
     """
     parameters = parameters_from({"interface": interface, **options}, hardware=True)
     if output is not None:
-        prepare_folder(output.parent)
+        prepare_file(output)
     with console.activity("Generating Verilog"), running_tools(), bad_input():
         text = emit_verilog(parameters, interface)
     if output is None:

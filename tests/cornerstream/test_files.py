@@ -6,14 +6,16 @@ import csv
 import io
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from cornerstream.errors import BadInput
-from cornerstream.files import corners_json, prepare_folder, write_all, write_results
+from cornerstream.errors import BadInput, Failed
+from cornerstream.files import corners_json, prepare_file, prepare_folder, write_all, write_results
 from cornerstream.picture import ACCEPTED, REJECTED, draw_corners, scale_for
 from golden import Corners, Flag
 
@@ -130,3 +132,48 @@ def test_folder_below_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(BadInput, match=r"cannot write to .*file.*; allowed: a folder that can be written"):
         prepare_folder(tmp_path / "file" / "sub")
+
+
+def test_a_link_stays_and_its_target_is_replaced(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    for name, target in (("link", "there/file"), ("dangling", "there/new")):
+        (tmp_path / name).symlink_to(target)
+    (tmp_path / "there" / "file").write_text("old")
+    write_all({tmp_path / "link": b"one", tmp_path / "dangling": b"two"})
+    assert (tmp_path / "link").is_symlink() and (tmp_path / "dangling").is_symlink()
+    assert (tmp_path / "there" / "file").read_bytes() == b"one"
+    assert (tmp_path / "there" / "new").read_bytes() == b"two"
+    assert sorted(os.listdir(tmp_path / "there")) == ["file", "new"]
+
+
+def test_a_pipe_stays_and_is_written_to(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    # open for both, so that neither end waits for the other
+    ends = os.open(pipe, os.O_RDWR)
+    prepare_file(pipe)
+    write_all({pipe: b"through", tmp_path / "beside": b"file"})
+    assert os.read(ends, 100) == b"through"
+    assert pipe.is_fifo() and sorted(os.listdir(tmp_path)) == ["beside", "pipe"]
+    os.close(ends)
+
+
+def test_a_full_device_stays_and_is_a_failure(tmp_path: Path) -> None:
+    full = tmp_path / "full"
+    full.symlink_to("/dev/full")
+    prepare_file(full)
+    with pytest.raises(Failed, match=r"cannot write .*full: No space left on device$"):
+        write_all({full: b"much", tmp_path / "beside": b"file"})
+    assert os.listdir(tmp_path) == ["full"] and Path("/dev/full").is_char_device()
+
+
+def test_what_stdout_leads_to_is_not_replaced(tmp_path: Path) -> None:
+    shared = tmp_path / "shared"
+    script = "from pathlib import Path; from cornerstream.files import write_all\n"
+    script += "write_all({Path('/dev/stdout'): b'last'})"
+    with shared.open("wb") as file:
+        file.write(b"first ")
+        file.flush()
+        environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+        subprocess.run([sys.executable, "-c", script], stdout=file, env=environment, check=True)
+    assert shared.read_bytes() == b"first last"
