@@ -10,6 +10,7 @@ import numpy as np
 from rich.table import Table
 
 from cornerstream import console
+from cornerstream.errors import bad_input
 from cornerstream.files import corners_json, prepare_folder, write_results
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.images import load
@@ -23,6 +24,7 @@ from cornerstream.options import (
 )
 from golden import Corners
 from golden import detect as golden_detect
+from golden.corners import check_distance
 
 
 @click.command(short_help="Golden model on one image.")
@@ -30,8 +32,17 @@ from golden import detect as golden_detect
 @model_options
 @threshold_options
 @output_option(None, "Folder for corners.csv and corners.png.  [default: build, or no files with --json]")
+@click.option(
+    "--min-distance",
+    type=float,
+    metavar="PX",
+    default=0,
+    show_default=True,
+    help="Leave out each accepted corner that is nearer than this to a stronger one that stays. After all else, "
+    "and only here: the hardware keeps no more than peaks apart, by --suppression.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the corners as JSON instead of a table.")
-def detect(image: Path, output: Path | None, as_json: bool, **options: Any) -> None:
+def detect(image: Path, output: Path | None, min_distance: float, as_json: bool, **options: Any) -> None:
     """Find the corners of IMAGE with the golden model, without hardware.
 
     Thresholds are relative to the image's own largest response: what the hardware uses from the second
@@ -41,6 +52,7 @@ def detect(image: Path, output: Path | None, as_json: bool, **options: Any) -> N
     Examples:
       cornerstream detect photo.jpg
       cornerstream detect photo.jpg --profile robust --sigma1 0.05 -o corners/
+      cornerstream detect photo.jpg --profile robust --min-distance 8
       cornerstream detect photo.jpg --json | jq '.corners | length'
     """
     parameters = parameters_from(options, hardware=False)
@@ -50,13 +62,15 @@ def detect(image: Path, output: Path | None, as_json: bool, **options: Any) -> N
         Idle("reference", aimed, "without --target-corners, or with --texture patches"),
         Idle("constant", aimed or settings.reference != "constant", "with --reference constant"),
     )
+    with bad_input():
+        check_distance("min_distance", min_distance)
     photograph = load(image, parameters)
     console.remarks(photograph)
     if output is None and not as_json:
         output = Path("build")
     if output is not None:
         prepare_folder(output)
-    corners = golden_detect(photograph.pixels, parameters, settings)
+    corners = golden_detect(photograph.pixels, parameters, settings).apart(min_distance)
     if output is not None:
         console.files_written(write_results(output, photograph.pixels, corners))
     height, width = photograph.pixels.shape

@@ -8,6 +8,7 @@ from typing import Any, TypeVar, get_args
 
 import click
 
+from cornerstream import console
 from cornerstream.errors import BadInput, bad_input
 from cornerstream.idle import Idle, refuse_idle
 from golden import PROFILES, Parameters, Settings, profile
@@ -78,7 +79,8 @@ _choices = _together(
         "--suppression",
         type=int,
         metavar="R",
-        help=f"Corners are at least R+1 pixels apart, 1 to {MAX_SUPPRESSION}. Default: the profile's.",
+        help=f"Peaks of the response are at least R+1 pixels apart in x or in y, 1 to {MAX_SUPPRESSION}; "
+        "corners, which are refined, may come nearer. Default: the profile's.",
     ),
 )
 _hardware = _together(
@@ -139,8 +141,9 @@ threshold_options = _together(
     _setting(
         "--sigma2",
         float,
-        "A corner has a texture measure below sigma2 times the reference; 0 <= sigma2 < 16. "
-        "With --texture mean: weight of the local mean, in eighths up to 15/8.",
+        "With --texture patches: a corner has a texture measure below sigma2 times the reference; "
+        "0 <= sigma2 < 16. With --texture mean: weight of the local mean of D, which is added to the threshold; "
+        "0, or 0.125 to 1.875, rounded down to eighths.",
     ),
     _setting(
         "--reference", click.Choice(get_args(Reference)), "The previous frame's largest D, or --constant."
@@ -206,9 +209,11 @@ def parameters_from(options: dict[str, Any], *, hardware: bool) -> Parameters:
 def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
     """The thresholds that the command line asks for; corners that the texture filter rejects are reported."""
     with bad_input():
+        # before what no detector at all could have
         for field in ("constant", "floor"):
             check_integer(field, options[field], 1, parameters.response_max)
         settings = Settings(**{field: options[field] for field in _THRESHOLDS}, report_rejected=True)
+        settings.check(parameters)
     constant = settings.reference == "constant"
     refuse_idle(
         Idle(
@@ -223,4 +228,9 @@ def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
             f"with --reference previous, or above --constant, which is {settings.constant}",
         ),
     )
+    used = settings.sigma2_used(parameters)
+    if parameters.texture == "mean" and used != settings.sigma2:
+        console.say(
+            f"sigma2 is {settings.sigma2:g}; used: {used:g}, since with texture 'mean' it counts in eighths"
+        )
     return settings

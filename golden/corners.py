@@ -156,8 +156,7 @@ class Corners(ByValue):
         ValueError
             The distance is no number from 0 on.
         """
-        if isinstance(distance, bool) or not isinstance(distance, Real) or not 0 <= distance < inf:
-            raise ValueError(f"distance is {distance!r}; allowed: numbers from 0")
+        check_distance("distance", distance)
         stays = ~self.accepted
         strongest_first = np.argsort(-self.response, kind="stable")
         cell = max(float(distance), 1.0)
@@ -170,6 +169,12 @@ class Corners(ByValue):
                 stays[index] = True
                 grid.setdefault((column, row), []).append((x, y))
         return self[stays]
+
+
+def check_distance(name: str, value: object) -> None:
+    """Raise ``ValueError`` naming the argument, its value and what is allowed, unless it is a distance in pixels."""
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) < inf:
+        raise ValueError(f"{name} is {value!r}; allowed: numbers of pixels from 0")
 
 
 def _as_text(name: str, values: NDArray[Any]) -> list[Any]:

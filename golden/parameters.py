@@ -81,6 +81,9 @@ def _check_fraction(field: str, value: object, limit: int) -> None:
     # written so that NaN fails too
     if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) < limit:
         raise ValueError(f"{field} is {value!r}; allowed: 0 <= {field} < {limit}")
+    if float(value) > 0 and round(float(value) * (1 << SIGMA_BITS)) == 0:
+        step = f"1/{1 << SIGMA_BITS}"
+        raise ValueError(f"{field} is {value!r}, less than half of {step}; allowed: 0, or {step} and more")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,7 +124,8 @@ class Parameters:
         the (2k+3)x(2k+3) square; ``"pixels"``: four single diagonal pixels at radius k.
     suppression
         Radius r of the non-maximum suppression, 1 to 4: a corner is the largest of the (2r+1)x(2r+1) responses
-        around it, so that two of them are at least r+1 pixels apart in x or in y.
+        around it, so that two such peaks are at least r+1 pixels apart in x or in y. Refined positions may be
+        nearer to each other; ``Corners.apart`` thins them out.
     budget
         Build ``Settings.max_corners`` and ``target_corners``.
     buffering
@@ -259,11 +263,11 @@ class Settings:
     Parameters
     ----------
     sigma1
-        Corner threshold, 0 <= sigma1 < 1: a corner has D > T1 = sigma1 · Dref. Rounded to 1/65536.
+        Corner threshold, 0 <= sigma1 < 1: a corner has D > T1 = sigma1 · Dref. Rounded to 1/65536, but not to 0.
     sigma2
-        Texture threshold, 0 <= sigma2 < 16: a corner has tau < T2 = sigma2 · Dref. Rounded to 1/65536.
-        With ``texture="mean"``: how much the local level of D counts, whatever Dref; rounded down to eighths, and
-        at most 15/8.
+        Texture threshold, 0 <= sigma2 < 16: a corner has tau < T2 = sigma2 · Dref. Rounded to 1/65536, but not to 0.
+        With ``texture="mean"``: how much the local level of D counts, whatever Dref: 0, or 1/8 to 15/8, rounded
+        down to eighths.
     reference
         Dref: the largest D of the ``"previous"`` frame, or the ``"constant"``. The first frame after
         reset has no previous one and uses the constant.
@@ -316,9 +320,18 @@ class Settings:
         return cls(**{"constant": 1 << (bits - 4), "floor": 1 << (bits - 7), **changes})
 
     def check(self, parameters: Parameters) -> None:
-        """Raise ``ValueError`` if constant or floor exceed this detector's D, or it lacks the budget asked for."""
+        """Raise ``ValueError`` if this detector cannot be set so.
+
+        Constant or floor exceed its D, sigma2 is none of its adaptive threshold's, or it lacks the budget asked for.
+        """
         for field in ("constant", "floor"):
             check_integer(field, getattr(self, field), 1, parameters.response_max)
+        smallest = 2**-MEAN_WEIGHT_FRACTION_BITS
+        largest = ((1 << MEAN_WEIGHT_BITS) - 1) * smallest
+        if parameters.texture == "mean" and self.sigma2 != 0 and not smallest <= self.sigma2 <= largest:
+            raise ValueError(
+                f"sigma2 is {self.sigma2!r}; allowed with texture 'mean': 0, or {smallest} to {largest}, in eighths"
+            )
         for field in ("max_corners", "target_corners"):
             if not parameters.budget and (value := getattr(self, field)) != 0:
                 raise ValueError(
@@ -330,9 +343,15 @@ class Settings:
         """sigma1 in units of 2**-SIGMA_BITS, as the hardware takes it."""
         return min(round(self.sigma1 * (1 << SIGMA_BITS)), (1 << SIGMA_BITS) - 1)
 
+    def sigma2_used(self, parameters: Parameters) -> float:
+        """What sigma2 is rounded to in this detector."""
+        if parameters.texture == "mean":
+            return self.mean_weight / (1 << MEAN_WEIGHT_FRACTION_BITS)
+        return self.sigma2_fixed / (1 << SIGMA_BITS)
+
     @property
     def mean_weight(self) -> int:
-        """sigma2 in eighths, as the adaptive threshold takes it."""
+        """sigma2 in eighths, as the adaptive threshold takes it; what is more than fits counts as the most."""
         return min(self.sigma2_fixed >> (SIGMA_BITS - MEAN_WEIGHT_FRACTION_BITS), (1 << MEAN_WEIGHT_BITS) - 1)
 
     @property

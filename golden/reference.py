@@ -21,9 +21,8 @@ from golden.corners import Corners, Flag
 from golden.detector import check_image, chosen_parameters, chosen_settings
 from golden.parameters import MARGIN, Derivative, Fit, Gradient, Parameters, Patches, Settings, Ties
 
-MAX_WEIGHT = 15 / 8
 LEVEL_GAIN = 81 / 64
-"""Of the adaptive threshold: the largest sigma2, and what the mean is multiplied by beside it."""
+"""Of the adaptive threshold: what the mean is multiplied by beside sigma2."""
 
 Map = NDArray[np.float64]
 """(height, width) float64."""
@@ -213,7 +212,7 @@ def reference_detect(
         """Response that is reported, and whether the texture filter keeps the corner."""
         if parameters.texture == "mean":
             level = LEVEL_GAIN * local_mean(responses, x, y)
-            value = float(peaks[y, x]) - min(settings.sigma2, MAX_WEIGHT) * level
+            value = float(peaks[y, x]) - settings.sigma2 * level
             return value, value > t1
         return float(peaks[y, x]), texturization(responses, x, y, parameters.patches) < t2
 

@@ -80,6 +80,18 @@ def detectors(**fixed: Any) -> st.SearchStrategy[Parameters]:
     return st.fixed_dictionaries(fields).map(_possible).map(lambda chosen: Parameters(**chosen))
 
 
+def sigmas(largest: float) -> st.SearchStrategy[float]:
+    """sigma1 or sigma2: 0, or anything that is not rounded to it."""
+    return st.just(0.0) | st.floats(2**-16, largest)
+
+
+def sigma2s(parameters: Parameters) -> st.SearchStrategy[float]:
+    """sigma2 of this detector, small ones more often than not."""
+    if parameters.texture == "mean":
+        return st.just(0.0) | st.floats(0.125, 1.875)
+    return sigmas(2) | sigmas(10)
+
+
 def _possible(chosen: dict[str, Any]) -> dict[str, Any]:
     """With the suppression that these can have."""
     if chosen["response_filter"] == "binomial":

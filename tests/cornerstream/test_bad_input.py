@@ -87,6 +87,11 @@ def test_image(folder: Path, command: str, image: str, parts: list[str]) -> None
         ("--suppression", "5", ["suppression is 5", "allowed: whole numbers from 1 to 4"]),
         ("--sigma1", "much", ["--sigma1", "'much' is not a valid float"]),
         ("--sigma2", "16", ["sigma2 is 16.0", "allowed"]),
+        (
+            "--sigma1",
+            "1e-6",
+            ["sigma1 is 1e-06, less than half of 1/65536", "allowed: 0, or 1/65536 and more"],
+        ),
         ("--constant", "0", ["constant is 0", "allowed"]),
         ("--constant", "65027", ["constant is 65027", "allowed", "65026"]),
         ("--floor", "-1", ["floor is -1", "allowed"]),
@@ -104,6 +109,28 @@ def test_option(folder: Path, command: str, option: str, value: str, parts: list
     before = listing(folder)
     engine = ["--engine", "amaranth"] if command == "simulate" else []
     check(run(command, "good.png", *engine, option, value), *parts)
+    assert listing(folder) == before
+
+
+@pytest.mark.parametrize("value", ["0.1", "1.9", "15"])
+def test_sigma2_as_the_weight_of_the_local_mean(folder: Path, value: str) -> None:
+    before = listing(folder)
+    allowed = "allowed with texture 'mean': 0, or 0.125 to 1.875, in eighths"
+    for command in (("detect",), ("simulate", "--engine", "amaranth")):
+        check(
+            run(*command, "good.png", "--profile", "robust", "--sigma2", value),
+            f"sigma2 is {float(value)}; {allowed}",
+        )
+    assert listing(folder) == before
+
+
+@pytest.mark.parametrize("value", ["-1", "nan", "inf"])
+def test_distance(folder: Path, value: str) -> None:
+    before = listing(folder)
+    check(
+        run("detect", "good.png", "--min-distance", value),
+        f"min_distance is {float(value)}; allowed: numbers of",
+    )
     assert listing(folder) == before
 
 

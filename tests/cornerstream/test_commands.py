@@ -69,6 +69,20 @@ def test_detect_writes_the_golden_models_corners(image: np.ndarray) -> None:
     assert result.stderr == "Written: out/corners.csv, out/corners.png\n"
 
 
+def test_sigma2_that_is_rounded_is_said(image: np.ndarray) -> None:
+    rounded = run("detect", "grey.png", "--profile", "robust", "--sigma2", "0.49", "--json")
+    assert rounded.stderr == "sigma2 is 0.49; used: 0.375, since with texture 'mean' it counts in eighths\n"
+    exact = run("detect", "grey.png", "--profile", "robust", "--sigma2", "0.375", "--json")
+    assert (exact.stderr, exact.stdout) == ("", rounded.stdout)
+
+
+def test_accepted_corners_are_kept_apart(image: np.ndarray) -> None:
+    run("detect", "grey.png", "-o", "out", "--min-distance", "8.5", *BOTH_KINDS)
+    found = detect(image, settings=SETTINGS)
+    assert table("out/corners.csv") == as_table(found.apart(8.5))
+    assert 0 < np.count_nonzero(found.apart(8.5).accepted) < np.count_nonzero(found.accepted)
+
+
 def test_picture_has_both_colours() -> None:
     run("detect", "grey.png", *BOTH_KINDS)
     with Image.open("build/corners.png") as picture:

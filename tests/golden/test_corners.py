@@ -156,7 +156,7 @@ def test_as_one_by_one(rows: list[tuple[int, int, int, bool]], distance: float) 
 
 @pytest.mark.parametrize("distance", [-1, float("nan"), float("inf"), "3", None, True])
 def test_distance_is_a_number(distance: Any) -> None:
-    with pytest.raises(ValueError, match=f"^distance is {distance!r}; allowed: numbers from 0$"):
+    with pytest.raises(ValueError, match=f"^distance is {distance!r}; allowed: numbers of pixels from 0$"):
         FOUR.apart(distance)
 
 

@@ -9,8 +9,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from golden import check_image
+from golden import StreamModel, check_image, detect
 from golden.parameters import MAX_SIDE, OPTIONS, PROFILES, Gradient, Parameters, Settings, profile
+from golden.video import VideoSettings
 
 RANGES = {
     "pixel_bits": (4, 10),
@@ -65,6 +66,40 @@ def test_sigmas(field: str, limit: int) -> None:
         assert refusal(Settings, **{field: value}) == f"{field} is {value!r}; allowed: 0 <= {field} < {limit}"
 
 
+@pytest.mark.parametrize("field", ["sigma1", "sigma2"])
+@pytest.mark.parametrize("value", [1 / 131072, 1e-6, 5e-324])
+def test_sigmas_that_would_be_nothing(field: str, value: float) -> None:
+    message = refusal(Settings, **{field: value})
+    assert message == f"{field} is {value!r}, less than half of 1/65536; allowed: 0, or 1/65536 and more"
+
+
+@pytest.mark.parametrize("value", [2**-16, 0.1, 0.1249, 1.876, 5, 15.9])
+def test_weights_that_the_local_mean_cannot_have(value: float) -> None:
+    settings = Settings(sigma2=value)
+    settings.check(Parameters())
+    for call in (
+        lambda: settings.check(profile("robust")),
+        lambda: detect(np.zeros((20, 20), np.uint8), profile("robust"), settings),
+        lambda: StreamModel(profile("robust")).process(np.zeros((20, 20), np.uint8), settings),
+        lambda: VideoSettings(20, 20, settings).check(profile("robust")),
+    ):
+        with pytest.raises(ValueError) as caught:
+            call()
+        allowed = "allowed with texture 'mean': 0, or 0.125 to 1.875, in eighths"
+        assert str(caught.value) == f"sigma2 is {value!r}; {allowed}"
+
+
+@pytest.mark.parametrize(
+    ("value", "eighths", "plain"),
+    [(0, 0, 0), (0.125, 1, 0.125), (0.3, 2, 19661 / 65536), (0.5, 4, 0.5), (1.874, 14, 122814 / 65536)],
+)
+def test_what_sigma2_is_rounded_to(value: float, eighths: int, plain: float) -> None:
+    settings = Settings(sigma2=value)
+    settings.check(profile("robust"))
+    assert settings.sigma2_used(profile("robust")) == eighths / 8 and settings.mean_weight == eighths
+    assert settings.sigma2_used(Parameters()) == plain
+
+
 @pytest.mark.parametrize("field", ["constant", "floor"])
 def test_whole_numbers_of_settings(field: str) -> None:
     for value in (1, 2093058):
@@ -109,7 +144,7 @@ def test_default_settings_fit_every_detector() -> None:
 
 @pytest.mark.parametrize(
     ("sigma", "fixed"),
-    [(0, 0), (0.5, 32768), (0.1, 6554), (1 / 131072, 0), (3 / 131072, 2), (0.9999999, 65535)],
+    [(0, 0), (0.5, 32768), (0.1, 6554), (1.001 / 131072, 1), (3 / 131072, 2), (0.9999999, 65535)],
 )
 def test_sigma1_in_fixed_point(sigma: float, fixed: int) -> None:
     assert Settings(sigma1=sigma).sigma1_fixed == fixed

@@ -84,4 +84,3 @@ def test_the_profile_finds_what_float64_finds(name: str) -> None:
 
 def test_constants_are_the_golden_models() -> None:
     assert reference.LEVEL_GAIN == LEVEL_GAIN
-    assert reference.MAX_WEIGHT == Settings(sigma2=15.9).mean_weight / 8

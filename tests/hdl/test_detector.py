@@ -30,7 +30,7 @@ from sim.frames import (
 from sim.stimulus import Stalls, Stimulus
 from tests.filters import lenient, selective
 from tests.photographs import PHOTOGRAPHS, photograph
-from tests.strategies import images
+from tests.strategies import images, sigma2s, sigmas
 
 PAPER = profile("paper")
 ROBUST = profile("robust")
@@ -154,8 +154,8 @@ def test_any_images_sizes_and_stalls(parameters: Parameters, data: st.DataObject
     few = st.one_of(st.just(0), st.integers(0, 30))
     any_settings = st.builds(
         Settings,
-        sigma1=st.floats(0, 0.5),
-        sigma2=st.one_of(st.floats(0, 2), st.floats(0, 10)),
+        sigma1=sigmas(0.5),
+        sigma2=sigma2s(parameters),
         reference=reference,
         constant=st.integers(1, limit),
         floor=st.integers(1, limit // 64),

@@ -35,6 +35,7 @@ from tests.hdl.blocks import (
     raster,
     run,
 )
+from tests.strategies import sigmas
 
 PARAMETERS = Parameters()
 PIXELS = Parameters(patches="pixels", pixel_bits=10)
@@ -200,8 +201,8 @@ def test_any_frames(data: st.DataObject) -> None:
     response = st.integers(1, FULL)
     settings = st.builds(
         Settings,
-        sigma1=st.floats(0, 1, exclude_max=True),
-        sigma2=st.floats(0, 16, exclude_max=True),
+        sigma1=sigmas(0.99999),
+        sigma2=sigmas(15.99999),
         reference=st.sampled_from(["previous", "constant"]),
         constant=response,
         floor=response,
