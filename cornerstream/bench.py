@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 import click
 
-from cornerstream.errors import BadInput, one_line
+from cornerstream import console
+from cornerstream.errors import BadInput, Failed, one_line
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.tools import running_tools
 from sim.compiler import find_compiler
@@ -43,4 +46,11 @@ def bench(repeats: int, turns: int, no_engines: bool, as_json: bool) -> None:
     with running_tools():
         if not no_engines:
             find_compiler()
-        speed.main(as_json=as_json, repeats=repeats, turns=turns, engines=not no_engines)
+        result = speed.run(repeats=repeats, turns=turns, engines=not no_engines, notify=console.say)
+    if as_json:
+        click.echo(json.dumps(result))
+    else:
+        for table in speed.tables(result):
+            console.show(table)
+    if wrong := sum(engine["mismatches"] for engine in speed.rates(result)):
+        raise Failed(f"hardware and golden model differ in {wrong} records; see cornerstream simulate")

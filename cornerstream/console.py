@@ -20,7 +20,10 @@ from rich.table import Table
 
 from cornerstream.images import Photograph
 
-out = Console()
+# names that users give are no markup
+out = Console(markup=False)
+_ANY_WIDTH = 10_000
+"""More than any table takes."""
 
 
 def remarks(photograph: Photograph) -> None:
@@ -41,8 +44,11 @@ def files_written(paths: list[Path]) -> None:
 
 
 def show(table: Table) -> None:
-    """A table of results; where it is too wide for the terminal, without blanks beside the figures."""
-    wanted = out.measure(table, options=out.options.update(width=1000)).maximum
+    """A table of results: in a file or pipe as wide as its text, in a narrow terminal without blanks beside it."""
+    wanted = out.measure(table, options=out.options.update(width=_ANY_WIDTH)).maximum
+    if not out.file.isatty():
+        Console(file=out.file, width=wanted, markup=False).print(table)
+        return
     if wanted > out.width:
         table.padding = 0
     out.print(table)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import click
 from rich.table import Table
 
 from cornerstream import console
-from cornerstream.errors import BadInput, one_line
+from cornerstream.errors import BadInput, Failed, one_line
 from flow.quartus.summaries import QuartusReport, ReportError, read_report
 
 
@@ -28,6 +29,8 @@ from flow.quartus.summaries import QuartusReport, ReportError, read_report
 def report(folder: Path, as_json: bool) -> None:
     """Show area and timing of a project that Quartus has compiled, from its Fitter's and Timing Analyzer's summaries.
 
+    Exit code 1 if timing is not met, or not known for want of the Timing Analyzer's summary.
+
     \b
     Examples:
       cornerstream report --quartus build/quartus
@@ -38,9 +41,23 @@ def report(folder: Path, as_json: bool) -> None:
     except ReportError as error:
         raise BadInput(one_line(error)) from error
     if as_json:
-        click.echo(json.dumps({**asdict(found), "fmax_mhz": found.fmax_mhz}))
+        click.echo(json.dumps(_figures(found)))
     else:
         console.show(_table(found))
+    if found.no_timing is not None:
+        raise Failed(f"timing is not known: {found.no_timing}")
+    if found.missed:
+        raise Failed(f"timing is not met: {', '.join(found.missed)}")
+    if found.no_fmax is not None:
+        console.say(f"No Fmax: {found.no_fmax}")
+
+
+def _figures(found: QuartusReport) -> dict[str, Any]:
+    derived = {name: getattr(found, name) for name in ("fmax_mhz", "no_fmax", "timing_met")}
+    figures = asdict(found)
+    # the reason why there is no Fmax says the same
+    del figures["no_timing"]
+    return {**figures, **derived}
 
 
 def _table(found: QuartusReport) -> Table:

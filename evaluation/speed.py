@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from evaluation.packages import MissingPackageError, opencv
 from golden import Parameters, Settings, StreamModel, detect
@@ -253,7 +254,7 @@ def golden_table(speed: dict[str, Any]) -> Table:
         milliseconds = [f"{1000 * timing[field]:.1f}" for field in ("minimum", "median")]
         table.add_row(title, *milliseconds, str(threads[key]))
     verdict = _verdict(speed["median_ratio"] <= speed["goal"])
-    table.caption = (
+    table.caption = Text.from_markup(
         f"ratio {speed['ratio']:.2f}, median {speed['median_ratio']:.2f}; "
         f"goal at most {speed['goal']:g}: {verdict}"
     )
@@ -271,11 +272,22 @@ def engine_table(speed: dict[str, Any]) -> Table:
         table.add_row(rate["name"], rate["frame"], *figures)
     clocks = _verdict(speed["compiled"]["median"] >= speed["clocks_goal"])
     speedup = _verdict(speed["speedup"] >= speed["speedup_goal"])
-    table.caption = (
+    table.caption = Text.from_markup(
         f"goal at least {speed['clocks_goal']:,.0f} clocks/s: {clocks}; "
         f"{speed['speedup']:,.0f} times as fast, goal at least {speed['speedup_goal']:g}: {speedup}"
     )
     return table
+
+
+def rates(result: dict[str, Any]) -> list[dict[str, Any]]:
+    """Each engine's part of what :func:`run` returns."""
+    return [result["engines"][name] for name in ("compiled", "amaranth")] if "engines" in result else []
+
+
+def tables(result: dict[str, Any]) -> list[Table]:
+    """What :func:`run` returns, for people."""
+    engines = [engine_table(result["engines"])] if "engines" in result else []
+    return [golden_table(result["golden"]), *engines]
 
 
 def main(
@@ -295,9 +307,8 @@ def main(
     if as_json:
         console.print_json(json.dumps(result))
         return result
-    console.print(golden_table(result["golden"]))
-    if engines:
-        console.print(engine_table(result["engines"]))
+    for table in tables(result):
+        console.print(table)
     return result
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 _FOLDERS = (".", "output_files")
 _FIGURES = {
@@ -50,6 +51,10 @@ class QuartusReport:
         The smallest of all clocks and operating conditions, in ns; None where the analyzer gives none.
     period
         The clock's, from the project's constraints, in ns; None if it is not found.
+    missed
+        Checks of a clock with negative slack, in words, each with the worst operating condition's.
+    no_timing
+        Why there are no slacks; None where there are.
     """
 
     revision: str
@@ -64,6 +69,24 @@ class QuartusReport:
     setup_slack: float | None
     hold_slack: float | None
     period: float | None
+    missed: tuple[str, ...]
+    no_timing: str | None
+
+    @property
+    def timing_met(self) -> bool | None:
+        """Whether no slack is negative; None where there are none."""
+        return None if self.no_timing else not self.missed
+
+    @property
+    def no_fmax(self) -> str | None:
+        """Why there is no Fmax; None where there is one."""
+        if self.no_timing is not None:
+            return self.no_timing
+        if self.setup_slack is None:
+            return "the Timing Analyzer's summary has no setup slack"
+        if self.period is None:
+            return "no .sdc file of the project sets a period"
+        return None if self.fmax_mhz else f"setup slack is {self.setup_slack:g} of {self.period:g} ns"
 
     @property
     def fmax_mhz(self) -> float | None:
@@ -71,40 +94,77 @@ class QuartusReport:
 
         With one clock, whose edges alone launch and capture, that is what the Timing Analyzer reports.
         """
-        if self.setup_slack is None or self.period is None:
+        if self.setup_slack is None or self.period is None or self.setup_slack >= self.period:
             return None
         return 1000 / (self.period - self.setup_slack)
 
 
+class _Slack(NamedTuple):
+    check: str
+    clock: str
+    condition: str
+    slack: float
+
+    def __str__(self) -> str:
+        return f"{self.check} of {self.clock} by {-self.slack:.3f} ns ({self.condition})"
+
+
 def read_report(folder: Path) -> QuartusReport:
-    """The reports in a project's folder, or in its ``output_files``.
+    """The reports in a project's folder, or in its ``output_files``; there may be none of the Timing Analyzer.
 
     Raises
     ------
     ReportError
-        A report is missing, there are several, or it is no such report of a device with logic elements.
+        The Fitter's is missing, there are several, or it is no such report of a device with logic elements.
     """
-    fit_path, sta_path = (_find(folder, kind) for kind in ("fit", "sta"))
-    fit, sta = _read(fit_path), _read(sta_path)
+    fit_path = _find(folder, "fit")
+    fit = _read(fit_path)
     values = dict(re.findall(r"^ *([^:\n]+?) *: (.*?)\s*$", fit, re.MULTILINE))
     status = values.get("Fitter Status", "missing")
     if not status.startswith("Successful"):
         raise ReportError(f"{fit_path}: Fitter Status is {status!r}; allowed: a successful compilation")
     figures = {field: _figure(values, name, fit_path) for field, name in _FIGURES.items()}
-    slacks = [(match["check"], float(match["slack"])) for match in _CHECK.finditer(sta)]
-    if not slacks:
-        raise ReportError(f"{sta_path}: no slack of any clock; allowed: a summary of the Timing Analyzer")
     version = next((values[name] for name in values if name.endswith(" Version")), "unknown")
+    slacks, no_timing = _timing(folder)
     return QuartusReport(
         revision=values.get("Revision Name", "unknown"),
         device=values.get("Device", "unknown"),
         version=f"Quartus {version}",
-        setup_slack=min((slack for check, slack in slacks if check == "Setup"), default=None),
-        hold_slack=min((slack for check, slack in slacks if check == "Hold"), default=None),
+        setup_slack=_smallest(slacks, "Setup"),
+        hold_slack=_smallest(slacks, "Hold"),
         m9k=_blocks(fit_path.with_suffix(".rpt")),
         period=_period(fit_path.parent, folder),
+        missed=_missed(slacks),
+        no_timing=no_timing,
         **figures,
     )
+
+
+def _timing(folder: Path) -> tuple[list[_Slack], str | None]:
+    """All slacks; or none, and why."""
+    try:
+        path = _find(folder, "sta")
+        found = [
+            _Slack(match["check"], match["clock"], match["condition"], float(match["slack"]))
+            for match in _CHECK.finditer(_read(path))
+        ]
+    except ReportError as error:
+        return [], str(error)
+    if not found:
+        return [], f"{path}: no slack of any clock; allowed: a summary of the Timing Analyzer"
+    return found, None
+
+
+def _smallest(slacks: list[_Slack], check: str) -> float | None:
+    return min((each.slack for each in slacks if each.check == check), default=None)
+
+
+def _missed(slacks: list[_Slack]) -> tuple[str, ...]:
+    worst: dict[tuple[str, str], _Slack] = {}
+    for each in slacks:
+        known = worst.setdefault((each.check, each.clock), each)
+        worst[each.check, each.clock] = min(known, each, key=lambda slack: slack.slack)
+    return tuple(str(each) for each in worst.values() if each.slack < 0)
 
 
 def _find(folder: Path, kind: str) -> Path:

@@ -32,7 +32,7 @@ def run(*arguments: str, code: int = 0) -> Result:
     result = CliRunner().invoke(main, arguments, prog_name="cornerstream")
     assert result.exit_code == code, result.output
     if code:
-        assert result.stdout == ""
+        assert code == 1 or result.stdout == ""
         assert result.stderr.startswith("Error: ") and result.stderr.count("\n") == 1
     return result
 
@@ -213,6 +213,9 @@ def test_report_as_json(given: str) -> None:
         "hold_slack": 0.153,
         "period": 8.0,
         "fmax_mhz": pytest.approx(1000 / 6.75),
+        "no_fmax": None,
+        "missed": [],
+        "timing_met": True,
     }
 
 
@@ -254,20 +257,67 @@ def test_report_as_table() -> None:
     assert "at a period of 8 ns" in text
 
 
-def test_missed_timing_and_older_versions() -> None:
+def test_older_versions() -> None:
     older = FIT.replace("Quartus Prime Version : 22.1std.0", "Quartus II 64-Bit Version : 10.1")
-    compiled(older, STA.replace("Timing Analyzer", "TimeQuest Timing Analyzer").replace(" 1.250", " -2.000"))
+    compiled(older, STA.replace("Timing Analyzer", "TimeQuest Timing Analyzer"))
     found = json.loads(run("report", "--quartus", "project", "--json").stdout)
-    assert found["setup_slack"] == -2.0 and found["fmax_mhz"] == pytest.approx(100.0)
-    assert found["version"].startswith("Quartus 10.1 ")
+    assert found["version"].startswith("Quartus 10.1 ") and found["setup_slack"] == 1.25
+
+
+@pytest.mark.parametrize(
+    ("slack", "missed"),
+    [
+        # 1.981 ns at 0 degrees is the better one
+        (" 1.250", "Setup of clk by 2.500 ns (Slow 1200mV 85C Model)"),
+        (" 0.153", "Hold of clk by 2.500 ns (Fast 1200mV 0C Model)"),
+        (" 0.100", "Minimum Pulse Width of clk by 2.500 ns (Slow 1200mV 85C Model)"),
+    ],
+)
+def test_missed_timing_is_said_and_is_a_failure(slack: str, missed: str) -> None:
+    compiled(sta=STA.replace(slack, " -2.500"))
+    result = run("report", "--quartus", "project", code=1)
+    assert result.stderr == f"Error: timing is not met: {missed}\n" and "5,123" in result.stdout
+    found = json.loads(run("report", "--quartus", "project", "--json", code=1).stdout)
+    assert (found["timing_met"], found["missed"]) == (False, [missed])
+    assert found["fmax_mhz"] == pytest.approx(1000 / (10.5 if slack == " 1.250" else 6.75))
 
 
 def test_without_a_period_there_is_slack_but_no_fmax() -> None:
     Path("project").mkdir()
     compiled()
-    assert json.loads(run("report", "--quartus", "project", "--json").stdout)["fmax_mhz"] is None
-    text = run("report", "--quartus", "project").stdout
-    assert "1.250 ns" in text and "MHz" not in text
+    found = json.loads(run("report", "--quartus", "project", "--json").stdout)
+    reason = "no .sdc file of the project sets a period"
+    assert (found["fmax_mhz"], found["no_fmax"], found["timing_met"]) == (None, reason, True)
+    result = run("report", "--quartus", "project")
+    assert "1.250 ns" in result.stdout and "MHz" not in result.stdout
+    assert result.stderr == f"No Fmax: {reason}\n"
+
+
+def test_without_setup_slack_there_is_no_fmax() -> None:
+    compiled(sta=STA.replace("Setup", "Recovery"))
+    found = json.loads(run("report", "--quartus", "project", "--json").stdout)
+    assert found["no_fmax"] == "the Timing Analyzer's summary has no setup slack"
+
+
+@pytest.mark.parametrize(
+    ("sta", "reason"),
+    [
+        (None, "no *.sta.summary in project and project/output_files; allowed: one, of a compiled"),
+        ("", "cornerstream.sta.summary: no slack of any clock; allowed: a summary of the Timing Analyzer"),
+        (FIT, "cornerstream.sta.summary: no slack of any clock"),
+    ],
+)
+def test_without_timing_there_is_area_and_the_reason(sta: str | None, reason: str) -> None:
+    compiled(sta=sta or "")
+    if sta is None:
+        Path("project/output_files/cornerstream.sta.summary").unlink()
+    result = run("report", "--quartus", "project", code=1)
+    assert "5,123" in result.stdout and "MHz" not in result.stdout
+    (line,) = result.stderr.splitlines()
+    assert line.startswith("Error: timing is not known: ") and reason in line
+    found = json.loads(run("report", "--quartus", "project", "--json", code=1).stdout)
+    assert (found["le"], found["fmax_mhz"], found["timing_met"]) == (5123, None, None)
+    assert reason in found["no_fmax"]
 
 
 def without(text: str, line: str) -> str:
@@ -282,8 +332,6 @@ def without(text: str, line: str) -> str:
         (FIT.replace("Successful", "Failed"), STA, "Fitter Status is 'Failed - Sun Nov"),
         (without(FIT, "Total logic elements"), STA, "no figure 'Total logic elements'; allowed: a Fitter"),
         (FIT.replace(" 591,699 /", " some /"), STA, "no figure 'Total memory bits'"),
-        (FIT, "", "no slack of any clock; allowed: a summary of the Timing Analyzer"),
-        (FIT, FIT, "no slack of any clock"),
     ],
 )
 def test_foreign_reports(fit: str, sta: str, message: str) -> None:
@@ -297,7 +345,5 @@ def test_missing_reports() -> None:
     message = "no *.fit.summary in project and project/output_files; allowed: one, of a compiled"
     assert message in run("report", "--quartus", "project", code=2).stderr
     compiled()
-    Path("project/output_files/cornerstream.sta.summary").unlink()
-    assert "no *.sta.summary in" in run("report", "--quartus", "project", code=2).stderr
     Path("project/other.fit.summary").write_text(FIT)
     assert "2 files *.fit.summary in" in run("report", "--quartus", "project", code=2).stderr
