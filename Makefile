@@ -64,7 +64,7 @@ bench: | $(EVAL)  ## speed of the golden model and of the simulators
 clean:  ## remove build/
 	rm -rf $(BUILD)
 
-distclean: clean  ## remove build/, the virtual environment and every cache
+distclean: clean  ## remove build/, the virtual environment and all that tools left here
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 

@@ -8,16 +8,16 @@ from contextlib import contextmanager
 from cornerstream.errors import BadInput, Failed, one_line
 from flow.verilog import VerilogError
 from flow.yowasp import ToolError, ToolNotFoundError
-from sim import CompilationError, CompilerNotFoundError, SimulationError
+from sim import CacheError, CompilationError, CompilerNotFoundError, SimulationError
 from sim.verilog_engine import VerilatorNotFoundError
 
 
 @contextmanager
 def running_tools() -> Iterator[None]:
-    """Turn a missing tool into :class:`BadInput`, for that can be mended, and one that fails into :class:`Failed`."""
+    """Turn what the user can mend, as a missing tool, into :class:`BadInput`, and what fails into :class:`Failed`."""
     try:
         yield
-    except (CompilerNotFoundError, ToolNotFoundError, VerilatorNotFoundError) as error:
+    except (CacheError, CompilerNotFoundError, ToolNotFoundError, VerilatorNotFoundError) as error:
         raise BadInput(one_line(error)) from error
     except VerilogError as error:
         raise Failed(f"Yosys: {one_line(error)}") from error

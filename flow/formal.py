@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
@@ -21,6 +20,7 @@ from typing import Any, Literal
 from amaranth.back import rtlil
 
 from flow.yowasp import ToolNotFoundError, failure, require, run_yosys
+from sim.tools import run
 
 Mode = Literal["bmc", "induction", "cover"]
 
@@ -169,15 +169,9 @@ class _Job:
             arguments.append("-c")
         if self.trace and mode != "cover":
             arguments += ["--dump-vcd", str(self.trace.resolve())]
-        done = subprocess.run(
-            [_found(_SMTBMC), *arguments, "design.smt2"],
-            cwd=self.folder,
-            # where it looks for the solver
-            env={**os.environ, "PATH": _path()},
-            capture_output=True,
-            encoding="utf-8",
-            check=False,
-        )
+        command = [_found(_SMTBMC), *arguments, "design.smt2"]
+        # where it looks for the solver
+        done = run(command, folder=self.folder, environment={"PATH": _path()})
         status = re.search(r"Status: (PASSED|FAILED)", done.stdout)
         if status is None or done.returncode != (status[1] == "FAILED"):
             raise failure(_SMTBMC, done)

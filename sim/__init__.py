@@ -1,5 +1,6 @@
 """Runs the hardware against the golden model: engines behind one interface, a frame driver, a comparison."""
 
+from sim.cache import CacheError
 from sim.compiler import CompilationError, CompilerNotFoundError
 from sim.engine import (
     Engine,
@@ -23,6 +24,7 @@ from sim.frames import (
 from sim.stimulus import Capture, Stalls, Stimulus
 
 __all__ = [
+    "CacheError",
     "Capture",
     "CompilationError",
     "CompilerNotFoundError",

@@ -191,7 +191,7 @@ def build_bench(verilog: str, *, notify: Callable[[str], None], cache: Path | No
             *("--top-module", top, "--Mdir", ".", "-O3", "--x-assign", "fast", "--x-initial", "fast"),
             *("-Wno-fatal", "-Wno-lint", "--no-timing", "--timescale", "1ns/1ns", "--vpi"),
         ]
-        run_tool(command, "verilator", folder, {**os.environ, "VERILATOR_ROOT": str(root)})
+        run_tool(command, "verilator", folder, {"VERILATOR_ROOT": str(root)})
         # One translation unit, because Verilator's headers take most of the time.
         generated = sorted(path.name for path in folder.glob(f"{_CLASS}*.cpp"))
         (folder / "main.cc").write_text("".join(map(_INCLUDE, [*generated, main])), encoding="utf-8")

@@ -11,13 +11,14 @@ import shlex
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-CACHE_VARIABLE = "CORNERSTREAM_CACHE"
+from sim.cache import building, cache_directory, find, keep
+from sim.tools import run
+
 _NAMES = ("c++", "g++", "clang++")
 _FLAGS = ("-std=c++17", "-O2", "-DNDEBUG", "-DCXXRTL_NDEBUG", "-fPIC", "-fvisibility=hidden", "-w")
 """-O2: with g++, -O1 halves the speed and -O3 costs a sixth of it; zig makes no difference."""
@@ -88,22 +89,12 @@ def find_compiler() -> Compiler:
     return _find(os.environ.get("CXX") or None, os.environ.get("PATH"))
 
 
-def cache_directory(chosen: Path | None = None) -> Path:
-    """Where built simulators are kept; created if need be."""
-    directory = chosen or Path(os.environ.get(CACHE_VARIABLE) or Path("build") / "cache")
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise CompilationError(
-            f"cannot keep simulators in {directory}: {error.strerror}; "
-            f"allowed: a folder that can be written, named by ${CACHE_VARIABLE}"
-        ) from error
-    return directory.resolve()
-
-
-def run_tool(command: list[str], what: str, cwd: Path, env: dict[str, str] | None = None) -> None:
+def run_tool(command: list[str], what: str, folder: Path, environment: dict[str, str] | None = None) -> None:
     """Run a tool quietly; :class:`CompilationError` with the start of its complaints if it fails."""
-    done = subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, check=False)
+    try:
+        done = run(command, folder=folder, environment=environment)
+    except OSError as error:
+        raise CompilationError(f"{what} cannot be run: {error.strerror}") from error
     if done.returncode != 0:
         lines = (done.stderr.strip() or done.stdout.strip()).splitlines()
         # The first error is the cause; warnings and what follows from it are noise.
@@ -152,25 +143,26 @@ def build(
     notify
         Told, in one line, that a compilation begins.
     directory
-        See :func:`cache_directory`.
+        See :func:`sim.cache.cache_directory`.
 
     Raises
     ------
-    CompilerNotFoundError, CompilationError
-        One says what to install, the other what went wrong.
+    CompilerNotFoundError, CacheError, CompilationError
+        These say what to install, that there is no place for the result, and what went wrong.
     """
     compiler = find_compiler()
     library = ".dll" if sys.platform == "win32" else ".so"
     suffix, kind = (library, ["-shared"]) if link else (".o", ["-c"])
     if program is not None:
         suffix, kind, extra = ".exe", [], extra + shlex.join(program)
-    target = cache_directory(directory) / f"{_key(compiler, files, extra)}{suffix}"
-    if target.exists():
-        return target
-    notify(f"compiling the simulator with {compiler.label} (kept in {target.parent})")
-    # Built beside the target and renamed, so that parallel builders never see half a library.
-    with tempfile.TemporaryDirectory(dir=target.parent, prefix="build-") as name:
-        folder = Path(name)
+    place, key = cache_directory(directory), _key(compiler, files, extra)
+    if kept := find(place, key, suffix):
+        return kept
+    with building(place, key) as folder:
+        # whoever built before us may have built this
+        if kept := find(place, key, suffix):
+            return kept
+        notify(f"compiling the simulator with {compiler.label} (kept in {place})")
         for file, text in files.items():
             (folder / file).write_text(text, encoding="utf-8")
         sources = generate(folder)
@@ -180,5 +172,4 @@ def build(
         run_tool(command, "the C++ compiler", folder)
         if not output.exists():
             raise CompilationError(f"{compiler.label} has made nothing; allowed: a C++ compiler")
-        os.replace(output, target)
-    return target
+        return keep(output, place, key, suffix)

@@ -114,8 +114,7 @@ def make_engine(
     notify
         Called with one line before anything that takes seconds, such as compiling.
     cache
-        Directory for compiled simulators; None: the environment variable ``CORNERSTREAM_CACHE``,
-        else ``build/cache``.
+        Directory for compiled simulators; default: see :func:`sim.cache.cache_directory`.
     """
     say = notify or (lambda line: None)
     options: dict[str, Any] = {"notify": say, "cache": None if cache is None else Path(cache)}

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib.metadata
 import importlib.util
-import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -117,7 +116,7 @@ class VerilogEngine(NativeEngine):
             *("-Wno-fatal", "-Wno-lint", "--no-timing"),
             *(["--trace-vcd"] if waves else []),
         ]
-        run_tool(command, "verilator", folder, {**os.environ, "VERILATOR_ROOT": str(self._root)})
+        run_tool(command, "verilator", folder, {"VERILATOR_ROOT": str(self._root)})
         # One translation unit, because Verilator's headers take most of the time.
         generated = sorted(path.name for path in folder.glob(f"{_CLASS}*.cpp"))
         main = "".join(f'#include "{name}"\n' for name in generated)

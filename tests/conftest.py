@@ -7,16 +7,23 @@ new ones.
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import settings
 from numpy.typing import NDArray
 
+from sim.cache import CACHE_VARIABLE
 from tests.photographs import PHOTOGRAPHS, photograph
 
 settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None, max_examples=1000)
+# Not the user's own cache of simulators, but one that `make clean` empties; all processes of a run share it, and so
+# do tests that run tests in a copy of the sources.
+_TEST_CACHE = Path(__file__).parents[1] / "build" / "cache"
+os.environ[CACHE_VARIABLE] = os.environ.setdefault("CORNERSTREAM_TEST_CACHE", str(_TEST_CACHE))
+
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 

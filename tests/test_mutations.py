@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from sim.compiler import CACHE_VARIABLE, cache_directory
 from tests.budget_mutations import BUDGET_MUTATIONS
 from tests.edge_mutations import EDGE_MUTATIONS
 
@@ -356,8 +355,8 @@ def copy_sources(folder: Path) -> None:
 def run_tests(folder: Path, files: list[str], only: str = "") -> subprocess.CompletedProcess[str]:
     """pytest in the copy, on the copy's modules."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
-    # simulators are kept by what they are made of, so that an unchanged copy's may exist already
-    environment |= {"PYTHONPATH": str(folder), CACHE_VARIABLE: str(cache_directory())}
+    # simulators are kept by what they are made of: in one place, for all of us and all copies
+    environment |= {"PYTHONPATH": str(folder)}
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
     command += ["-k", only] * bool(only) + files
     return subprocess.run(

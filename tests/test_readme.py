@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from amaranth.hdl import Shape, Value
-from click.testing import CliRunner
 from numpy.typing import NDArray
 
 from cornerstream.cli import main
@@ -22,6 +21,7 @@ from hdl.detector import Detector
 from hdl.subpixel import Subpixel
 from hdl.thresholds import settings_layout
 from tests.photographs import PHOTOGRAPHS, photograph
+from tests.runner import CliRunner
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

@@ -11,10 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from PIL import Image
 
 from cornerstream.cli import main
+from tests.runner import CliRunner
 
 
 @pytest.fixture(autouse=True)
@@ -200,9 +201,7 @@ def test_one_result_that_cannot_be_written_keeps_the_others_back(folder: Path) -
 
 def test_no_place_to_keep_simulators(folder: Path) -> None:
     result = run("simulate", "good.png", "-o", "out", env={"CORNERSTREAM_CACHE": "good.png"})
-    assert result.exit_code == 1
-    assert "cannot keep simulators in good.png: File exists; allowed" in result.stderr
-    assert len(result.stderr.strip().splitlines()) == 1
+    check(result, "cannot keep simulators in good.png: File exists; allowed: a folder", "$CORNERSTREAM_CACHE")
 
 
 def without(module: str, monkeypatch: pytest.MonkeyPatch) -> None:

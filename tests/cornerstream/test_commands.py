@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from PIL import Image
 
 import cornerstream.simulation
@@ -18,6 +18,7 @@ from golden import Corners, Parameters, Settings, StreamModel, detect
 from golden.version import VERSION
 from sim import Mismatch
 from tests.photographs import photograph
+from tests.runner import CliRunner
 
 WIDTH, HEIGHT = 40, 30
 SIZE = ("--max-width", str(WIDTH), "--max-height", str(HEIGHT))

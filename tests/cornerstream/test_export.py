@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
 from cornerstream.cli import main
 from flow import quartus
 from golden import profile
+from tests.runner import CliRunner
 
 SIZE = ("--width", "40", "--height", "32")
 

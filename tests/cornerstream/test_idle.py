@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from PIL import Image
 
 import cornerstream.detection
@@ -15,6 +15,7 @@ import cornerstream.synth
 import cornerstream.tables
 import cornerstream.verilog
 from cornerstream.cli import main
+from tests.runner import CliRunner
 
 IDLE = "which changes nothing; allowed: "
 

@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
 from cornerstream.cli import main
 from flow import package as package_module
 from flow.package import MANIFEST
 from golden import profile
+from tests.runner import CliRunner
 
 SIZE = ("--width", "40", "--height", "32")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from PIL import Image
 
 import cornerstream.synth
@@ -20,6 +20,7 @@ from flow.timing import Step, given_name, read_report
 from flow.yowasp import ToolError
 from golden import Parameters
 from hdl.edges import Interface
+from tests.runner import CliRunner
 
 # four bits make the smallest detector there is
 SMALL = ("--width", "32", "--height", "24", "--pixel-bits", "4", "--buffering", "lean")

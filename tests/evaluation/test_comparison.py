@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
 from cornerstream.cli import main
 from evaluation import comparison, figures, paper_tables
 from evaluation.figures import AREA_FIELDS, Build, FigureError, Record, builds, clocks, measure
 from golden import Parameters, profile
 from sim import Mismatch
+from tests.runner import CliRunner
 
 
 def invented(build: Build, **changes: Any) -> Record:

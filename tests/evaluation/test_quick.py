@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 
 import pytest
-from click.testing import CliRunner
 
 from cornerstream.cli import main
 from evaluation.detectors import PLAIN
 from evaluation.scenes import KINDS
+from tests.runner import CliRunner
 
 
 @pytest.mark.slow

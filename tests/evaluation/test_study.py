@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from PIL import Image
 
 from cornerstream import eval_tables
@@ -26,6 +26,7 @@ from evaluation.study import SECTIONS, Own
 from evaluation.study_page import page
 from golden import PROFILES
 from golden.version import VERSION
+from tests.runner import CliRunner
 
 Record = dict[str, Any]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -145,7 +146,8 @@ def test_cropping_changes_nothing_further_than_seven_pixels_away(
 
     crop_rows = rows(crop, crop.x + left, crop.y + top)
     whole_rows = rows(whole)
-    assert set(crop_rows) <= set(whole_rows)
+    # two peaks may lead to one place, and be equal in all else
+    assert Counter(crop_rows) <= Counter(whole_rows)
     # a corner strictly inside this rectangle is centred 7 pixels or more from every new edge
     reach = 6 + offset_limit(parameters.fit) / 128
     expected = [
@@ -153,8 +155,7 @@ def test_cropping_changes_nothing_further_than_seven_pixels_away(
         for row in whole_rows
         if top + reach < row[0] < bottom - 1 - reach and left + reach < row[1] < right - 1 - reach
     ]
-    assert set(expected) <= set(crop_rows)
-    assert len(set(crop_rows)) == len(crop)
+    assert Counter(expected) <= Counter(crop_rows)
 
 
 @given(images(), detectors())

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from sim import CompilationError, CompilerNotFoundError, make_engine
-from sim.compiler import build, cache_directory, find_compiler
+from sim.compiler import build, find_compiler
 from sim.native import load
 from tests.sim.components import Slice
 
@@ -126,13 +126,3 @@ def test_a_broken_library_is_named_and_deleted(tmp_path: Path) -> None:
     with pytest.raises(CompilationError, match=r"cannot be loaded, and was deleted: .*too short"):
         load(broken)
     assert not broken.exists()
-
-
-def test_where_the_cache_is(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("CORNERSTREAM_CACHE", raising=False)
-    assert cache_directory() == tmp_path / "build" / "cache"
-    monkeypatch.setenv("CORNERSTREAM_CACHE", str(tmp_path / "elsewhere"))
-    assert cache_directory() == tmp_path / "elsewhere"
-    assert cache_directory(tmp_path / "here") == tmp_path / "here"
-    assert (tmp_path / "here").is_dir()

@@ -1,0 +1,144 @@
+"""Where built simulators are kept: a folder of the user's, whatever the working folder.
+
+The name of an entry is what it was made of, a hyphen, and the digest of what it holds: a file that was cut short or
+overwritten, which would crash the process that loads it, is told from a whole one, deleted, and built anew.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import re
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from tempfile import NamedTemporaryFile, TemporaryDirectory
+
+import platformdirs
+
+try:
+    import fcntl
+except ImportError:  # pragma: no cover
+    # Windows: two may build the same, and both are right
+    fcntl = None  # type: ignore[assignment]
+
+CACHE_VARIABLE = "CORNERSTREAM_CACHE"
+UNUSED_DAYS = 60
+"""What was not used for so long goes when something new is built."""
+_BUILD = "build-"
+_OURS = re.compile(rf"[0-9a-f]{{32}}(-[0-9a-f]{{32}}\.\w+|\.lock)|{_BUILD}\w+")
+
+
+class CacheError(RuntimeError):
+    """Simulators cannot be kept; the message says where, and how to name another folder."""
+
+    def __init__(self, directory: Path, error: OSError) -> None:
+        super().__init__(
+            f"cannot keep simulators in {directory}: {error.strerror or error}; "
+            f"allowed: a folder that can be written, named by ${CACHE_VARIABLE}"
+        )
+
+
+@functools.cache
+def _writable(folder: Path) -> tuple[Path, TemporaryDirectory[str] | None]:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with NamedTemporaryFile(dir=folder):
+            return folder, None
+    except OSError:
+        # removed when this process ends
+        temporary = TemporaryDirectory(prefix="cornerstream-")
+        return Path(temporary.name), temporary
+
+
+def user_caches() -> Path:
+    """The user's folder of caches; where none can be written, one that lasts as long as this process."""
+    usual = Path(platformdirs.user_cache_dir())
+    # without a home, it is no more than a name
+    return _writable(usual if usual.is_absolute() else Path(os.devnull, usual))[0]
+
+
+def cache_directory(chosen: Path | None = None) -> Path:
+    """Where built simulators are kept; created if need be.
+
+    Parameters
+    ----------
+    chosen
+        Default: the environment variable ``CORNERSTREAM_CACHE``, else ``cornerstream`` among the user's caches.
+
+    Raises
+    ------
+    CacheError
+        There can be no such folder.
+    """
+    named = os.environ.get(CACHE_VARIABLE)
+    directory = chosen or (Path(named) if named else user_caches() / "cornerstream")
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CacheError(directory, error) from error
+    return directory.resolve()
+
+
+def find(directory: Path, key: str, suffix: str) -> Path | None:
+    """The entry of that key, if there is one and it is whole; damaged ones are deleted."""
+    for path in directory.glob(f"{key}-*{suffix}"):
+        # somebody else may delete it meanwhile, and all may be read-only
+        with suppress(OSError):
+            if path.name == _name(path, key, suffix):
+                with suppress(OSError):
+                    os.utime(path)
+                return path
+            path.unlink()
+    return None
+
+
+def keep(made: Path, directory: Path, key: str, suffix: str) -> Path:
+    """Make a file of the same file system an entry, at once: nobody ever sees a half of it."""
+    path = directory / _name(made, key, suffix)
+    os.replace(made, path)
+    _prune(directory)
+    return path
+
+
+def _name(path: Path, key: str, suffix: str) -> str:
+    return f"{key}-{hashlib.sha256(path.read_bytes()).hexdigest()[:32]}{suffix}"
+
+
+@contextmanager
+def building(directory: Path, key: str) -> Iterator[Path]:
+    """A folder to build an entry in, for one process at a time; removed afterwards.
+
+    Raises
+    ------
+    CacheError
+        It cannot be made.
+    """
+    lock = directory / f"{key}.lock"
+    try:
+        # let go of with the process, however that ends
+        with lock.open("wb") as file:
+            if fcntl is not None:
+                fcntl.flock(file, fcntl.LOCK_EX)
+            try:
+                with TemporaryDirectory(dir=directory, prefix=_BUILD) as folder:
+                    yield Path(folder)
+            finally:
+                # who waits for it meanwhile finds the entry, or builds it
+                lock.unlink(missing_ok=True)
+    except OSError as error:
+        raise CacheError(directory, error) from error
+
+
+def _prune(directory: Path) -> None:
+    oldest = time.time() - UNUSED_DAYS * 24 * 3600
+    for path in directory.iterdir():
+        with suppress(OSError):
+            if _OURS.fullmatch(path.name) and path.stat().st_mtime < oldest:
+                if path.is_dir():
+                    shutil.rmtree(path)
+                else:
+                    path.unlink()
