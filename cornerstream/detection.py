@@ -10,20 +10,21 @@ import numpy as np
 from rich.table import Table
 
 from cornerstream import console
+from cornerstream.about import about
 from cornerstream.errors import bad_input
 from cornerstream.files import corners_json, prepare_folder, write_results
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.images import load
 from cornerstream.options import (
     image_argument,
+    json_option,
     model_options,
     output_option,
     parameters_from,
     settings_from,
     threshold_options,
 )
-from golden import Corners
-from golden import detect as golden_detect
+from golden import Corners, detection
 from golden.corners import check_distance
 
 
@@ -41,7 +42,7 @@ from golden.corners import check_distance
     help="Leave out each accepted corner that is nearer than this to a stronger one that stays. After all else, "
     "and only here: the hardware keeps no more than peaks apart, by --suppression.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the corners as JSON instead of a table.")
+@json_option
 def detect(image: Path, output: Path | None, min_distance: float, as_json: bool, **options: Any) -> None:
     """Find the corners of IMAGE with the golden model, without hardware.
 
@@ -70,12 +71,21 @@ def detect(image: Path, output: Path | None, min_distance: float, as_json: bool,
         output = Path("build")
     if output is not None:
         prepare_folder(output)
-    corners = golden_detect(photograph.pixels, parameters, settings).apart(min_distance)
-    if output is not None:
-        console.files_written(write_results(output, photograph.pixels, corners))
+    found = detection(photograph.pixels, parameters, settings)
+    corners = found.corners.apart(min_distance)
+    written = [] if output is None else write_results(output, photograph.pixels, corners)
+    if written:
+        console.files_written(written)
     height, width = photograph.pixels.shape
     if as_json:
-        click.echo(corners_json(corners, image=str(image), width=width, height=height))
+        figures = {
+            **about(photograph, options["profile"], parameters, settings),
+            "min_distance": min_distance,
+            "reference": found.reference,
+            **found.limits._asdict(),
+            "files": [str(path) for path in written],
+        }
+        click.echo(corners_json(corners, **figures))
     else:
         console.show(_table(width, height, corners))
 

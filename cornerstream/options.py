@@ -164,6 +164,13 @@ threshold_options = _together(
     ),
 )
 
+json_option = click.option(
+    "--json",
+    "as_json",
+    is_flag=True,
+    help="Print one JSON object instead of a table; docs/json.md lists its keys.",
+)
+
 image_argument = click.argument("image", type=click.Path(path_type=Path))
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, cast, get_args
@@ -14,12 +15,14 @@ from numpy.typing import NDArray
 from rich.table import Table
 
 from cornerstream import console
+from cornerstream.about import about
 from cornerstream.errors import BadInput, Failed, bad_input
 from cornerstream.files import prepare_folder, write_results
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.images import default_photograph, load
 from cornerstream.options import (
     detector_options,
+    json_option,
     output_option,
     parameters_from,
     settings_from,
@@ -29,7 +32,7 @@ from cornerstream.tools import running_tools
 from flow.gates import gate_level_engine
 from flow.verilog import core_verilog
 from flow.yowasp import require
-from golden import Corners, Parameters, Settings, StreamModel, decode
+from golden import FrameResult, Parameters, Settings, StreamModel, decode
 from hdl.detector import Detector
 from sim import (
     Engine,
@@ -73,7 +76,10 @@ class Run:
     help="How often the image is streamed, back to back. The thresholds are relative to the largest response "
     "of the frame before, which the first frame does not have: the second is the first that sees one.",
 )
-@output_option("build", "Folder for corners.csv and corners.png, both of the last frame.")
+@output_option(
+    None,
+    "Folder for corners.csv and corners.png, both of the last frame.  [default: build, or no files with --json]",
+)
 @detector_options
 @threshold_options
 @click.option(
@@ -106,7 +112,8 @@ class Run:
     metavar="N",
     help="Length of the waves.",
 )
-def simulate(image: Path | None, output: Path, **options: Any) -> None:
+@json_option
+def simulate(image: Path | None, output: Path | None, as_json: bool, **options: Any) -> None:
     """Stream IMAGE through the simulated hardware and compare it with the golden model, record by record.
 
     Without IMAGE, it is scikit-image's photograph 'camera', 512x512. Exit code 1 if any record differs.
@@ -119,6 +126,7 @@ def simulate(image: Path | None, output: Path, **options: Any) -> None:
       cornerstream simulate --engine verilog
       cornerstream simulate --engine gates --width 512
       cornerstream simulate --vcd build/waves.vcd --vcd-clocks 20000
+      cornerstream simulate --json | jq '.frames[-1].corners'
     """
     parameters = parameters_from(options, hardware=True)
     settings = settings_from(options, parameters)
@@ -126,23 +134,44 @@ def simulate(image: Path | None, output: Path, **options: Any) -> None:
     photograph = default_photograph(parameters) if image is None else load(image, parameters)
     console.remarks(photograph)
     _check_tools(run.engine)
-    for folder in [output] + ([run.vcd.parent] if run.vcd else []):
-        prepare_folder(folder)
+    if output is None and not as_json:
+        output = Path("build")
+    for folder in (output, run.vcd and run.vcd.parent):
+        if folder is not None:
+            prepare_folder(folder)
     engine = _engine(run.engine, parameters)
     result = _simulate(engine, run, photograph.pixels, parameters, settings)
-    mismatches = _compare(result, run.frames, photograph.pixels, parameters, settings)
+    expected = _expected(run.frames, photograph.pixels, parameters, settings)
+    mismatches = compare(result, [frame.records for frame in expected])
     if not result.frames:
         raise Failed(f"no frame came to its end; {summarize(mismatches).splitlines()[0]}")
-    corners = [decode(frame.records) for frame in result.frames]
-    written = write_results(output, photograph.pixels, corners[-1])
+    rows = _rows(photograph.pixels, result, expected, mismatches)
+    written = []
+    if output is not None:
+        written += write_results(output, photograph.pixels, decode(result.frames[-1].records))
     if run.vcd:
         written += [run.vcd, save_path(run.vcd)]
-    console.show(_table(photograph.pixels, result, corners, mismatches))
-    click.echo(
-        f"Simulated {result.clocks:,} clocks in {result.seconds:.2f} s: "
-        f"{result.clocks_per_second:,.0f} clocks/s, {engine.name}"
-    )
-    console.files_written(written)
+    if as_json:
+        figures = {
+            **about(photograph, options["profile"], parameters, settings),
+            "engine": engine.name,
+            "stalls": asdict(run.stalls),
+            "frames": rows,
+            "clocks": result.clocks,
+            "seconds": result.seconds,
+            "clocks_per_second": result.clocks_per_second,
+            "mismatches": len(mismatches),
+            "files": [str(path) for path in written],
+        }
+        click.echo(json.dumps(figures))
+    else:
+        console.show(_table(rows))
+        click.echo(
+            f"Simulated {result.clocks:,} clocks in {result.seconds:.2f} s: "
+            f"{result.clocks_per_second:,.0f} clocks/s, {engine.name}"
+        )
+    if written:
+        console.files_written(written)
     if mismatches:
         raise Failed(f"hardware and golden model differ: {summarize(mismatches)}")
 
@@ -204,30 +233,47 @@ def _simulate(
         )
 
 
-def _compare(
-    result: SimulationResult, frames: int, pixels: Image, parameters: Parameters, settings: Settings
-) -> list[Mismatch]:
+def _expected(frames: int, pixels: Image, parameters: Parameters, settings: Settings) -> list[FrameResult]:
     model = StreamModel(parameters)
-    return compare(result, [model.process(pixels, settings).records for _ in range(frames)])
+    return [model.process(pixels, settings) for _ in range(frames)]
 
 
-def _table(
-    pixels: Image, result: SimulationResult, corners: list[Corners], mismatches: list[Mismatch]
-) -> Table:
+def _rows(
+    pixels: Image, result: SimulationResult, expected: list[FrameResult], mismatches: list[Mismatch]
+) -> list[dict[str, Any]]:
+    """The figures of each frame that came to its end; reference and thresholds are those of the golden model."""
     height, width = pixels.shape
     wrong = Counter(mismatch.frame for mismatch in mismatches)
+    rows = []
+    for number, (frame, model) in enumerate(zip(result.frames, expected, strict=False)):
+        accepted = decode(frame.records).accepted
+        rows.append(
+            {
+                "width": width,
+                "height": height,
+                "clocks": frame.clocks,
+                "corners": int(np.count_nonzero(accepted)),
+                "rejected": int(np.count_nonzero(~accepted)),
+                "mismatches": wrong[number],
+                "reference": model.reference,
+                "t1": model.t1,
+                "t2": model.t2,
+            }
+        )
+    return rows
+
+
+def _table(rows: list[dict[str, Any]]) -> Table:
     table = Table()
     for heading in ("frame", "size", "clocks", "clocks/pixel", "corners", "rejected", "mismatches"):
         table.add_column(heading, justify="right")
-    for number, (frame, found) in enumerate(zip(result.frames, corners, strict=True)):
+    for number, row in enumerate(rows):
         table.add_row(
             str(number),
-            f"{width}x{height}",
-            f"{frame.clocks:,}",
-            f"{frame.clocks / pixels.size:.3f}",
-            str(np.count_nonzero(found.accepted)),
-            str(np.count_nonzero(~found.accepted)),
-            str(wrong[number]),
-            style="red" if wrong[number] else None,
+            f"{row['width']}x{row['height']}",
+            f"{row['clocks']:,}",
+            f"{row['clocks'] / (row['width'] * row['height']):.3f}",
+            *(str(row[name]) for name in ("corners", "rejected", "mismatches")),
+            style="red" if row["mismatches"] else None,
         )
     return table

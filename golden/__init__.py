@@ -1,7 +1,7 @@
 """The specification of cornerstream in NumPy: one bit-exact function per block of the paper's Fig. 9."""
 
 from golden.corners import Corners, Flag
-from golden.detector import FrameResult, StreamModel, check_image, detect
+from golden.detector import Detection, FrameResult, StreamModel, check_image, detect, detection
 from golden.output_constructor import FrameEnd, decode, decode_frame_end
 from golden.parameters import PROFILES, Parameters, Settings, profile
 from golden.reference import reference_detect
@@ -9,6 +9,7 @@ from golden.reference import reference_detect
 __all__ = [
     "PROFILES",
     "Corners",
+    "Detection",
     "Flag",
     "FrameEnd",
     "FrameResult",
@@ -19,6 +20,7 @@ __all__ = [
     "decode",
     "decode_frame_end",
     "detect",
+    "detection",
     "profile",
     "reference_detect",
 ]

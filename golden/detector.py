@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -192,6 +192,25 @@ def detect(
     TypeError, ValueError
         Wrong type, dtype, rank or size; thresholds or reference that this detector cannot have.
     """
+    return detection(image, parameters, settings, reference=reference).corners
+
+
+class Detection(NamedTuple):
+    """The corners of one image, and the reference and thresholds that they were found with."""
+
+    corners: Corners
+    reference: int
+    limits: Thresholds
+
+
+def detection(
+    image: NDArray[np.unsignedinteger[Any]],
+    parameters: Parameters | None = None,
+    settings: Settings | None = None,
+    *,
+    reference: int | None = None,
+) -> Detection:
+    """As :func:`detect`, with reference and thresholds."""
     parameters = chosen_parameters(parameters)
     settings = chosen_settings(settings, parameters)
     image = check_image(image, parameters)
@@ -204,14 +223,15 @@ def detect(
     adapted = next_threshold(image, responses, limits, parameters, settings)
     limits = thresholds(settings, int(reference), parameters, adapted)
     records = frame_records(image, responses, limits, parameters, settings.report_rejected)
-    return decode(within_budget(records, settings))
+    return Detection(decode(within_budget(records, settings)), int(reference), limits)
 
 
 @dataclass(frozen=True, eq=False)
 class FrameResult(ByValue):
     """One frame as the hardware delivers it: all its records, the last one marking its end.
 
-    ``found`` counts the corners that ``max_corners`` left out, too; ``t1`` is the threshold they are above.
+    ``found`` counts the corners that ``max_corners`` left out, too; ``t1`` is the threshold they are above,
+    ``t2`` that of the texture filter, and ``reference`` Dref.
     """
 
     records: Records
@@ -219,6 +239,8 @@ class FrameResult(ByValue):
     maximum: int
     found: int
     t1: int
+    t2: int
+    reference: int
 
 
 class StreamModel:
@@ -254,4 +276,4 @@ class StreamModel:
         self._adapted = next_threshold(image, responses, limits, self.parameters, settings)
         self._frame += 1
         words = np.append(records, np.uint64(end))
-        return FrameResult(words, decode(records), maximum, len(every), limits.t1)
+        return FrameResult(words, decode(records), maximum, len(every), *limits, reference)

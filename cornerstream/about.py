@@ -1,0 +1,22 @@
+"""What a run was made with, as the JSON of ``detect`` and ``simulate`` says it; docs/json.md describes all of it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from cornerstream.images import Photograph
+from golden import Parameters, Settings
+
+
+def about(photograph: Photograph, profile: str, parameters: Parameters, settings: Settings) -> dict[str, Any]:
+    """The image, the detector and its settings."""
+    height, width = photograph.pixels.shape
+    return {
+        "image": photograph.name,
+        "width": width,
+        "height": height,
+        "profile": profile,
+        "parameters": asdict(parameters),
+        "settings": asdict(settings),
+    }
