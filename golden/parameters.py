@@ -22,7 +22,7 @@ Reference = Literal["previous", "constant"]
 SUPPORT = 15
 """Side of the square of pixels that decides one corner: gradient 3, smoothing 5, response window 9."""
 MARGIN = SUPPORT // 2
-"""Pixels at each edge of a frame in which no corner is reported."""
+"""Pixels at each edge of a frame in which no peak is a corner; where it is refined to may be nearer to the edge."""
 SMOOTHING_SIZE = 5
 WINDOW_SIZE = 9
 """Side of the response window that the texture filter reads."""

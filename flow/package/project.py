@@ -15,6 +15,7 @@ from flow.verilog import MODULE, emit_verilog
 from golden import Parameters, Settings
 from golden import output_constructor as record
 from golden.parameters import COORDINATE_BITS, MARGIN, OFFSET_BITS, SUPPORT
+from golden.subpixel import offset_limit
 from golden.version import VERSION
 from hdl.edges.avalon import VIDEO_PACKET
 
@@ -89,6 +90,7 @@ def _facts(parameters: Parameters) -> dict[str, Any]:
         "example_width": min(EXAMPLE_WIDTH, parameters.max_width),
         "margin": MARGIN,
         "module": MODULE,
+        "reach": f"{offset_limit(parameters.fit) / (1 << OFFSET_BITS):g}",
         "p": parameters,
         "parameters": parameters.described,
         "record": {
