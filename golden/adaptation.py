@@ -27,7 +27,10 @@ COUNT_MAX = (1 << BUDGET_BITS) - 1
 
 
 def octaves(parameters: Parameters) -> int:
-    """Octaves of D below full scale that have bins of their own; the smallest bin is 8 wide or 16."""
+    """Octaves of D below full scale that have bins of their own.
+
+    The smallest bin is 8 wide; 16 with signed gradients of 8-bit pixels, twice as much with each bit of D more.
+    """
     return min(MAX_OCTAVES, parameters.response_bits - 5)
 
 

@@ -10,12 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from amaranth.hdl import Shape, Value
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from cornerstream.cli import main
 from evaluation.comparison import FIGURES_NAME
 from golden import Settings, detect, profile
-from golden.detector import response_map
+from golden.detector import corner_map, peak_responses, response_map
+from golden.subpixel import derivatives, fit_nine
 from hdl.circular_buffer import CircularBuffer
 from hdl.detector import Detector
 from hdl.subpixel import Subpixel
@@ -127,6 +129,27 @@ def test_corner_counts_of_the_example() -> None:
     found = detect(camera, settings=Settings(report_rejected=True))
     accepted, rejected = int(found.accepted.sum()), int((~found.accepted).sum())
     assert re.search(rf"│ 512x512 │ 262,144 │ +1\.000 │ +{accepted} │ +{rejected} │ +0 │", README)
+
+
+def test_full_scale_is_not_what_photographs_reach() -> None:
+    parameters = profile("paper")
+    largest = [response_map(image, parameters).max() for image in map(photograph, PHOTOGRAPHS)]
+    least, most = (100 * limit / parameters.response_max for limit in (min(largest), max(largest)))
+    assert f"ten photographs is {least:.1f} % to {most:.0f} % of it" in README
+
+
+def test_offsets_without_bounds() -> None:
+    """Solved in floating point, and not clamped."""
+    far = []
+    for name in ("camera", "grass", "gravel"):
+        responses = response_map(photograph(name), profile("paper"))
+        rows, columns = np.nonzero(corner_map(responses, int(responses.max()) // 20, profile("paper")))
+        around = sliding_window_view(peak_responses(responses, profile("paper")), (3, 3))[rows, columns]
+        xx, yy, xy, x, y = (np.float64(value) for value in derivatives(fit_nine(around)))
+        usable = (xx >= 0) & (xx * yy > xy * xy)
+        across, down = ((a * p + xy * q)[usable] for a, p, q in ((yy, x, y), (xx, y, x)))
+        far.append((np.maximum(abs(across), abs(down)) / (xx * yy - xy * xy)[usable]).max())
+    assert "land {:.0f}, {:.0f} or {:.0f} pixels away".format(*far) in README
 
 
 def test_sigma2_as_the_paper_has_it() -> None:

@@ -48,6 +48,7 @@ def test_edges_of_every_detector(gradient: Any, pixel_bits: int) -> None:
     widths = np.diff(edges)
     assert len(widths) == bins(p) == 4 * octaves(p) + 4 <= 48
     assert edges[0] == 0 and edges[-1] == 1 << p.response_bits > p.response_max
+    assert widths[0] == max(8, 2 ** (p.response_bits - 13))
     assert (widths % 8 == 0).all() and (widths[:-1] <= widths[1:]).all()
     assert (widths[8:] / edges[8:-1] <= 1 / 4).all()
 
