@@ -23,6 +23,7 @@ from hdl.edges import Interface, make_core
 
 RULES = ("cells.v", "operators.v", "memory.txt", "memory.v", "arithmetic.v", "flipflops.v", "luts.v")
 
+# every memory becomes blocks, as the exported project asks of Quartus
 MAP = """
 read_verilog -lib cells.v
 read_rtlil design.il
@@ -47,6 +48,7 @@ opt
 tee -q -o multipliers.txt dump -m t:$mul
 memory -nomap
 opt_clean
+setattr -set ram_style "block" t:$mem_v2
 tee -q -o memories.txt dump -m t:$mem_v2
 memory_libmap -lib memory.txt
 tee -q -o left.txt dump -m t:$mem_v2

@@ -69,9 +69,7 @@ class DelayLine(wiring.Component):
         read_out = []
         for k, low in enumerate(range(0, self._width, PART)):
             part = value[low : low + PART]
-            m.submodules[f"ring_{k}"] = ring = Memory(
-                shape=len(part), depth=self._depth, init=[], attrs={"ram_style": "block"}
-            )
+            m.submodules[f"ring_{k}"] = ring = Memory(shape=len(part), depth=self._depth, init=[])
             read, write = ring.read_port(), ring.write_port()
             m.d.comb += [
                 read.addr.eq(place),

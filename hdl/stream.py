@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, ShapeLike, Signal, Value, ValueLike
+from amaranth.hdl import Module, Mux, ShapeLike, Signal, Value, ValueLike
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -90,6 +90,13 @@ class SkidBuffer(wiring.Component):
 
     Full rate, latency 1.
 
+    Parameters
+    ----------
+    shape
+        Payload.
+    closed_in_reset
+        Its input is not ready until the clock after a reset: a source that is not reset with it loses no beat.
+
     Members
     -------
     i, o
@@ -98,19 +105,21 @@ class SkidBuffer(wiring.Component):
 
     latency = 1
 
-    def __init__(self, shape: ShapeLike) -> None:
+    def __init__(self, shape: ShapeLike, *, closed_in_reset: bool = False) -> None:
         self._shape = shape
+        self._closed = closed_in_reset
         super().__init__({"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape))})
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         first, spare = Signal(self._shape, reset_less=True), Signal(self._shape, reset_less=True)
         # ready is kept as it is, not inverted: it goes far
-        first_full, ready = Signal(), Signal(init=1)
+        first_full, ready = Signal(), Signal(init=not self._closed)
+        # the spare is only ever full behind a full first place, and the input waits while it is; or after a reset
+        refilled = Mux(ready, self.i.valid, first_full) if self._closed else ~ready | self.i.valid
         m.d.comb += [self.i.ready.eq(ready), self.o.valid.eq(first_full), self.o.payload.eq(first)]
         with m.If(self.o.ready | ~first_full):
-            # the spare is only ever full behind a full first place, and the input waits while it is
-            m.d.sync += [first_full.eq(~ready | self.i.valid), ready.eq(1)]
+            m.d.sync += [first_full.eq(refilled), ready.eq(1)]
             with m.If(ready):
                 m.d.sync += first.eq(self.i.payload)
             with m.Else():

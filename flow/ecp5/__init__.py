@@ -1,8 +1,9 @@
 """Mapping to ECP5 as a stand-in: its block RAM used as Cyclone IV's M9K would be, for timing only.
 
 Yosys alone would build long rows out of wide, shallow blocks with multiplexers behind them, and put more of these
-where a block must give the old value of what is being written. Cyclone IV needs neither. And tables are mapped by
-abc, because abc9, Yosys's own choice, stops with an internal error on some of these designs.
+where a block must give the old value of what is being written. Cyclone IV needs neither. Delay lines are in block
+RAM, as there, however short they are. And tables are mapped by abc, because abc9, Yosys's own choice, stops with an
+internal error on some of these designs.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ read_rtlil design.il
 synth_ecp5 -top {top} -run begin:map_ram
 memory_libmap -lib memory.txt t:$mem_v2 r:WR_PORTS>0 %i r:SIZE>64 %i
 techmap -map memory.v
+setattr -set ram_style "block" c:*ring_* t:$mem_v2 %i
 synth_ecp5 -top {top} -run map_ram:map_luts
 abc -lut 4:7
 clean

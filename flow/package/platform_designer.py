@@ -64,7 +64,7 @@ _INTERRUPT = HwInterface(
 # One symbol is a whole pixel or record: packets of several symbols to the beat would need a signal that
 # tells how many of the last beat's are empty.
 _PACKETS: dict[str, str | int] = {**_SYNCHRONOUS, "readyLatency": 0, "maxChannel": 0}
-# A read per clock, answered two clocks later, and nothing ever waits.
+# A read per clock, answered two clocks later, and nothing waits but in reset.
 _MEMORY_MAPPED: dict[str, str | int] = {
     **_SYNCHRONOUS,
     "addressUnits": "WORDS",

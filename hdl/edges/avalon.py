@@ -33,7 +33,8 @@ class AvalonCore(wiring.Component):
     aso_records_*
         Records, a packet per frame.
     avs_registers_*
-        Avalon-MM: word addresses, pipelined reads, no waiting. Errors are not reported; what is refused stays.
+        Avalon-MM: word addresses, pipelined reads, no waiting but in reset. Errors are not
+        reported; what is refused stays.
     ins_irq_irq
         Interrupt, active high.
 
@@ -71,6 +72,7 @@ class AvalonCore(wiring.Component):
                 "avs_registers_write": In(1),
                 "avs_registers_writedata": In(DATA_BITS),
                 "avs_registers_byteenable": In(DATA_BITS // 8),
+                "avs_registers_waitrequest": Out(1, init=1),
                 "ins_irq_irq": Out(1),
             }
         )
@@ -113,15 +115,17 @@ class AvalonCore(wiring.Component):
             m.d.sync += self.aso_records_startofpacket.eq(records.payload.last)
 
     def _registers(self, m: Module) -> None:
-        bus = self.core.bus
+        bus, wait = self.core.bus, self.avs_registers_waitrequest
+        # what is asked for in reset waits until it can be answered
+        m.d.sync += wait.eq(0)
         m.d.comb += [
-            bus.write.eq(self.avs_registers_write),
+            bus.write.eq(self.avs_registers_write & ~wait),
             bus.write_address.eq(self.avs_registers_address),
             bus.write_data.eq(self.avs_registers_writedata),
             bus.write_mask.eq(self.avs_registers_byteenable),
         ]
         m.d.sync += [
-            bus.read.eq(self.avs_registers_read),
+            bus.read.eq(self.avs_registers_read & ~wait),
             bus.read_address.eq(self.avs_registers_address),
             self.avs_registers_readdatavalid.eq(bus.read),
             self.avs_registers_readdata.eq(bus.read_data),

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Mux
+from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -21,18 +21,18 @@ LITE = {
     "awaddr": In(ADDRESS_BITS),
     "awprot": In(3),
     "awvalid": In(1),
-    "awready": Out(1, init=1),
+    "awready": Out(1),
     "wdata": In(DATA_BITS),
     "wstrb": In(DATA_BITS // 8),
     "wvalid": In(1),
-    "wready": Out(1, init=1),
+    "wready": Out(1),
     "bresp": Out(2),
     "bvalid": Out(1),
     "bready": In(1),
     "araddr": In(ADDRESS_BITS),
     "arprot": In(3),
     "arvalid": In(1),
-    "arready": Out(1, init=1),
+    "arready": Out(1),
     "rdata": Out(DATA_BITS),
     "rresp": Out(2),
     "rvalid": Out(1),
@@ -49,7 +49,8 @@ class AxiLite(wiring.Component):
     """AXI4-Lite subordinate before a register bank. All outputs are registers.
 
     One write and one read at a time, independent of each other; address and data of a write may come in any order.
-    The answer is SLVERR where the bank says so, and OKAY else. Protection bits are ignored.
+    The answer is SLVERR where the bank says so, and OKAY else. Protection bits are ignored. In reset nothing is
+    taken: what is offered then waits, and is answered afterwards.
 
     Members
     -------
@@ -61,14 +62,16 @@ class AxiLite(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        self._write(m)
-        self._read(m)
+        awake = Signal()
+        m.d.sync += awake.eq(1)
+        self._write(m, awake)
+        self._read(m, awake)
         return m
 
-    def _write(self, m: Module) -> None:
+    def _write(self, m: Module, awake: Signal) -> None:
         bus = self.bus
         # each channel's ready is low while what it brought is kept
-        complete = ~self.awready & ~self.wready & ~self.bvalid
+        complete = awake & ~self.awready & ~self.wready & ~self.bvalid
         with m.If(self.awvalid & self.awready):
             m.d.sync += [bus.write_address.eq(self.awaddr[2:]), self.awready.eq(0)]
         with m.If(self.wvalid & self.wready):
@@ -76,21 +79,21 @@ class AxiLite(wiring.Component):
         m.d.comb += bus.write.eq(complete)
         with m.If(complete):
             m.d.sync += [self.bvalid.eq(1), self.bresp.eq(Mux(bus.write_error, SLVERR, OKAY))]
-        with m.If(self.bvalid & self.bready):
+        with m.If((self.bvalid & self.bready) | ~awake):
             m.d.sync += [self.bvalid.eq(0), self.awready.eq(1), self.wready.eq(1)]
 
-    def _read(self, m: Module) -> None:
+    def _read(self, m: Module, awake: Signal) -> None:
         bus = self.bus
         with m.If(self.arvalid & self.arready):
             m.d.sync += [bus.read_address.eq(self.araddr[2:]), self.arready.eq(0)]
-        m.d.comb += bus.read.eq(~self.arready & ~self.rvalid)
+        m.d.comb += bus.read.eq(awake & ~self.arready & ~self.rvalid)
         with m.If(bus.read):
             m.d.sync += [
                 self.rvalid.eq(1),
                 self.rdata.eq(bus.read_data),
                 self.rresp.eq(Mux(bus.read_error, SLVERR, OKAY)),
             ]
-        with m.If(self.rvalid & self.rready):
+        with m.If((self.rvalid & self.rready) | ~awake):
             m.d.sync += [self.rvalid.eq(0), self.arready.eq(1)]
 
 

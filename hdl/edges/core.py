@@ -82,7 +82,7 @@ class Core(wiring.Component):
             outputs.append(self.overlay)
         stalled = [self._watch(m, f"output_{k}", o.valid & ~o.ready) for k, o in enumerate(outputs)]
         m.d.comb += [
-            bank.events.input_idle.eq(self._watch(m, "input", video.active & ~self.video.valid)),
+            bank.events.input_idle.eq(self._watch(m, "input", video.idle)),
             bank.events.output_stalled.eq(stalled[0] | stalled[-1]),
         ]
         return m

@@ -60,11 +60,11 @@ class PacketConstructor(wiring.Component):
         A complete frame's end is taken from the detector.
     results
         ``results_layout()``: number of the next frame; corners of the last complete one, those of them that were
-        dropped, its largest response.
+        dropped, its largest response. They change with ``done`` and ``closed``, before the end has left.
     any_results
         There has been a complete frame.
     events
-        ``events_layout(*PACKET_EVENTS)``.
+        ``events_layout(*PACKET_EVENTS)``. A frame is done, or cut, when its last beat is taken at the output.
     """
 
     latency = 1
@@ -94,6 +94,7 @@ class PacketConstructor(wiring.Component):
         free, step, full, send = Signal(), Signal(), Signal(), Signal()
         last = self.i.payload.last
         dropping = step & ~last & full
+        delivered = self.o.valid & self.o.ready & self.o.payload.last
         maximum = self.i.payload.record[RESPONSE_SHIFT : RESPONSE_SHIFT + RESPONSE_FIELD_BITS]
         m.d.comb += [
             free.eq(~self.o.valid | self.o.ready),
@@ -102,8 +103,8 @@ class PacketConstructor(wiring.Component):
             send.eq(step & (last | ~full)),
             self.done.eq(step & last),
             self.closed.eq(self.close & free),
-            events.frame_done.eq(self.done),
-            events.frame_cut.eq(self.closed),
+            events.frame_done.eq(delivered & ~self.o.payload.record[CUT_SHIFT]),
+            events.frame_cut.eq(delivered & self.o.payload.record[CUT_SHIFT]),
             events.records_dropped.eq(dropping | self._left_out(m) if self._budget else dropping),
         ]
         # a clock ahead; the number of records grows by one at most

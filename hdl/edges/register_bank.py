@@ -98,11 +98,13 @@ class RegisterBank(wiring.Component):
         bus = self.bus
         written = {name: Signal(name=f"write_{name.lower()}") for name in self.registers}
         m.d.comb += [bus.write_error.eq(1), bus.read_error.eq(1)]
+        # without any byte nothing is written, and so nothing happens
+        writes = bus.write & bus.write_mask.any()
         with m.Switch(bus.write_address):
             for name, register in self.registers.items():
                 if register.access != "ro":
                     with m.Case(register.address >> 2):
-                        m.d.comb += [written[name].eq(bus.write), bus.write_error.eq(0)]
+                        m.d.comb += [written[name].eq(writes), bus.write_error.eq(0)]
         with m.Switch(bus.read_address):
             for register in self.registers.values():
                 with m.Case(register.address >> 2):

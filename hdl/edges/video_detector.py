@@ -94,6 +94,8 @@ class VideoDetector(wiring.Component):
         ``events_layout(*VIDEO_EVENTS)``.
     active
         A frame is under way at the input.
+    idle
+        A frame is under way, and it is its next pixel that is waited for.
     kept
         With ``budget`` only: ``adapted_layout(parameters)``, of the last complete frame.
     reset_done
@@ -102,7 +104,7 @@ class VideoDetector(wiring.Component):
 
     def __init__(self, parameters: Parameters, *, detector: Any = None) -> None:
         self._parameters = p = parameters
-        self._skid = SkidBuffer(video_layout(p))
+        self._skid = SkidBuffer(video_layout(p), closed_in_reset=True)
         self._guard = FrameGuard(p)
         self._detector = detector or Detector(p)
         self._packets = PacketConstructor(budget=p.budget)
@@ -118,6 +120,7 @@ class VideoDetector(wiring.Component):
                 "clocks": Out(CLOCK_BITS),
                 "events": Out(events_layout(*VIDEO_EVENTS)),
                 "active": Out(1),
+                "idle": Out(1),
                 "reset_done": Out(1),
             }
         )
@@ -258,7 +261,12 @@ class VideoDetector(wiring.Component):
 
     def _report(self, m: Module) -> None:
         guard, packets = self._guard, self._packets
-        m.d.comb += [self.results.eq(packets.results), self.active.eq(guard.active)]
+        m.d.comb += [
+            self.results.eq(packets.results),
+            self.active.eq(guard.active),
+            # a pixel that is inside already may be the frame's last
+            self.idle.eq(guard.active & ~self._skid.o.valid),
+        ]
         for part in (guard, packets):
             for name, _ in part.events.shape():
                 m.d.comb += self.events[name].eq(part.events[name])

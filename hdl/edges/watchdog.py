@@ -14,6 +14,11 @@ from hdl.edges.register_map import TIMEOUT_BITS
 class Watchdog(wiring.Component):
     """Counts the clocks of each wait.
 
+    Parameters
+    ----------
+    bits
+        Of the limit.
+
     Members
     -------
     waiting
@@ -21,20 +26,24 @@ class Watchdog(wiring.Component):
     limit
         Clocks; 0: for ever.
     expired
-        It has waited so long: once, for one clock, in each wait.
+        It has waited for so long, or for longer when the limit was lowered: once, for one clock, in each wait.
     """
 
-    def __init__(self) -> None:
-        super().__init__({"waiting": In(1), "limit": In(TIMEOUT_BITS), "expired": Out(1)})
+    def __init__(self, bits: int = TIMEOUT_BITS) -> None:
+        super().__init__({"waiting": In(1), "limit": In(bits), "expired": Out(1)})
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        waited, over = Signal(TIMEOUT_BITS), Signal()
+        # one bit more than a limit has, in which the count stays: a limit that is set late must find it
+        waited, over = Signal(len(self.limit) + 1), Signal()
         reached = Signal()
-        m.d.comb += reached.eq((waited == self.limit) & (self.limit != 0) & ~over)
+        m.d.comb += reached.eq((waited >= self.limit) & (self.limit != 0) & ~over)
         with m.If(~self.waiting):
             m.d.sync += [waited.eq(0), over.eq(0)]
-        with m.Elif(~over):
-            m.d.sync += [waited.eq(waited + 1), over.eq(reached)]
-        m.d.sync += self.expired.eq(reached & self.waiting)
+        with m.Else():
+            m.d.sync += over.eq(over | reached)
+            with m.If(~waited[-1]):
+                m.d.sync += waited.eq(waited + 1)
+        # of the wait up to this clock, which may have ended with it
+        m.d.sync += self.expired.eq(reached)
         return m

@@ -8,11 +8,13 @@ from __future__ import annotations
 import random
 
 import cocotb
-from cocotb.triggers import ClockCycles
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles, RisingEdge
 from cocotbext.axi import AxiResp
 
 from golden.version import VERSION
 from golden.video import Event, marked
+from sim.cocotb_bench import CLOCK_NS
 from tests.benches.axi import ROUNDS, Bench, draw, usual
 from tests.benches.common import Dut
 
@@ -132,6 +134,46 @@ async def bytes_of_registers(dut: Dut, bus: float) -> None:
     answer = await bench.registers.axi.write(0x28, b"".join(word.to_bytes(4, "little") for word in words))
     assert answer.resp == AxiResp.OKAY
     await bench.hold(dict(zip((0x28, 0x2C, 0x30, 0x34), words, strict=True)))
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def asked_in_reset(dut: Dut) -> None:
+    """By a bus and a source that are not reset with the core: all waits until then, and is answered afterwards."""
+    pins = {name: getattr(dut, f"s_axil_{name}") for name in ("awvalid", "wvalid", "arvalid")}
+    pins["tvalid"] = dut.s_axis_tvalid
+    for pin in pins.values():
+        pin.value = 1
+    for name, value in (("awaddr", 0x20), ("wdata", 0x1234), ("wstrb", 15), ("araddr", 0)):
+        getattr(dut, f"s_axil_{name}").value = value
+    for name in ("s_axis_tdata", "s_axis_tuser", "s_axis_tlast", "s_axil_awprot", "s_axil_arprot"):
+        getattr(dut, name).value = 0
+    for name in ("s_axil_bready", "s_axil_rready", "m_axis_tready", "m_axis_video_tready"):
+        if hasattr(dut, name):
+            getattr(dut, name).value = 1
+    readies = {name: pin._name.replace("valid", "ready") for name, pin in pins.items()}
+    dut.rst.value = 1
+    Clock(dut.clk, CLOCK_NS, "ns").start()
+    await ClockCycles(dut.clk, 2)
+    for _ in range(5):
+        await RisingEdge(dut.clk)
+        assert not any(getattr(dut, ready).value for ready in readies.values())
+    dut.rst.value = 0
+    taken, answers = set(), []
+    for _ in range(12):
+        await RisingEdge(dut.clk)
+        for name, ready in readies.items():
+            if pins[name].value and getattr(dut, ready).value:
+                taken.add(name)
+                pins[name].value = 0
+        if dut.s_axil_bvalid.value:
+            answers.append(("b", int(dut.s_axil_bresp.value)))
+            # and now what has been written
+            dut.s_axil_araddr.value = 0x20
+            pins["arvalid"].value = 1
+        if dut.s_axil_rvalid.value:
+            answers.append(("r", int(dut.s_axil_rdata.value)))
+    assert taken == set(pins)
+    assert sorted(answers) == [("b", 0), ("r", 0x1234), ("r", 0x434F_524E)]
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")

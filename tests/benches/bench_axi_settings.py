@@ -10,7 +10,7 @@ from cocotb.triggers import ClockCycles
 from cocotbext.axi import AxiResp
 
 from golden import Settings
-from golden.video import Event, VideoSettings
+from golden.video import Event, VideoSettings, marked
 from tests.benches.axi import ROUNDS, Bench, draw, usual
 from tests.benches.bench_axi_registers import CONTROL, IRQ_ENABLE, READ_ONLY, SIZE, STATUS, TIMEOUT
 from tests.benches.common import Dut
@@ -139,6 +139,47 @@ async def input_idle(dut: Dut) -> None:
         await bench.check()
         await ClockCycles(dut.clk, timeout + 700)
         await bench.check_events(Event(0))
+
+
+@cocotb.test(timeout_time=3, timeout_unit="ms")
+async def timeout_lowered(dut: Dut) -> None:
+    """Below what a wait has lasted already: it is over at once."""
+    bench = Bench(dut)
+    await bench.start()
+    await usual(bench)
+    await bench.registers.write(TIMEOUT, 0)
+    bench.send(bench.squares(draw()))
+    await bench.taken(100)
+    bench.source.axi.pause = True
+    await ClockCycles(dut.clk, 600)
+    await bench.registers.write(TIMEOUT, 5000)
+    await bench.hold({STATUS: 0})
+    await bench.registers.write(TIMEOUT, 300)
+    await bench.hold({STATUS: int(Event.INPUT_IDLE)})
+    bench.source.axi.pause = False
+    bench.extra = Event.INPUT_IDLE
+    await bench.check()
+
+
+@cocotb.test(timeout_time=3, timeout_unit="ms")
+async def ends_wait(dut: Dut) -> None:
+    """A frame is done, or cut, when its last beat is taken: not while it is on offer."""
+    bench = Bench(dut)
+    await bench.start()
+    await usual(bench, max_records=0)
+    await bench.registers.write(IRQ_ENABLE, int(Event.FRAME_DONE | Event.FRAME_CUT))
+    whole = marked(bench.squares(draw()))
+    for beats in (whole, [*whole[:10], (0, False, True)]):
+        bench.sink.axi.pause = True
+        bench.send(beats)
+        await until(lambda: bool(dut.m_axis_tvalid.value), dut, 2000)
+        await ClockCycles(dut.clk, 300)
+        assert dut.m_axis_tlast.value and not bench.irq
+        before = Event(await bench.registers.read(STATUS))
+        assert before == bench.model.events & ~(Event.FRAME_DONE | Event.FRAME_CUT)
+        bench.sink.axi.pause = False
+        await until(lambda: bool(bench.irq), dut, 10)
+        await bench.check()
 
 
 @cocotb.test(timeout_time=3, timeout_unit="ms")

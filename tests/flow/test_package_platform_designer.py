@@ -50,6 +50,7 @@ PACKETS = {"data", "valid", "ready", "startofpacket", "endofpacket"}
 STREAM = {"tdata", "tvalid", "tready", "tlast"}
 MEMORY_MAPPED = {
     *("address", "read", "readdata", "readdatavalid", "write", "writedata", "byteenable"),
+    "waitrequest",
 }
 ROLES: dict[PackageInterface, dict[tuple[str, str, str], set[str]]] = {
     "axi": {
@@ -152,7 +153,7 @@ def test_interfaces_say_what_they_need(interface: PackageInterface, changes: Any
         assert properties["records"]["dataBitsPerSymbol"] == widths["aso_records_data"] == "64"
         assert properties["video"]["readyLatency"] == properties["records"]["readyLatency"] == "0"
         registers = properties["registers"]
-        # without waitrequest a read takes one clock, not the two that are the default
+        # where waitrequest is not heeded a read takes one clock, not the two that are the default
         assert (registers["readWaitTime"], registers["addressUnits"]) == ("0", "WORDS")
         assert registers["maximumPendingReadTransactions"] == "2"
 

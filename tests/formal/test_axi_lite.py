@@ -13,6 +13,7 @@ from amaranth.hdl import Assert, Cat, Cover, Elaboratable, Module, Mux, Signal, 
 import hdl.edges.axi
 from hdl.edges.axi import OKAY, SLVERR
 from tests.formal.claims import Case, Claim, Fault, cases
+from tests.formal.design import Insides
 from tests.formal.properties import free, invariant, moves, stable, within
 
 
@@ -28,7 +29,7 @@ class Channel:
 class _Kept:
     """What a request brought, from when it is taken until it is answered; by the names of the channel."""
 
-    def __init__(self, m: Module, channel: Channel, answered: Value, name: str) -> None:
+    def __init__(self, m: Module, channel: Channel, answered: Value, name: str, is_awake: Value) -> None:
         self.open, self.payload = (
             Signal(name=f"{name}_open"),
             Signal(len(channel.payload), name=f"{name}_kept"),
@@ -38,10 +39,18 @@ class _Kept:
         with m.If(moves(channel)):
             m.d.sync += [self.open.eq(1), self.payload.eq(channel.payload)]
         m.d.comb += Assert(~(moves(channel) & self.open), f"{name}: taken before the one before is answered")
-        # the channel is free again in the clock after the answer
+        # the channel is free again in the clock after the answer, and after a reset
+        awake = Signal(name=f"{name}_awake")
+        m.d.sync += awake.eq(1)
         within(
-            m, 1, during=~self.open, happens=channel.ready, name=f"{name}: not ready though nothing is open"
+            m,
+            1,
+            during=~self.open & awake,
+            happens=channel.ready,
+            name=f"{name}: not ready though nothing is open",
         )
+        m.d.comb += Assert(awake | ~channel.ready, f"{name}: ready in reset")
+        invariant(m, awake == is_awake, "it is not known whether the reset is over")
 
 
 def _access(m: Module, name: str, *, complete: Value, strobe: Value, answer: Channel, error: Value) -> Signal:
@@ -76,11 +85,12 @@ class LiteChecker(Elaboratable):
         m = Module()
         m.submodules.dut = dut = self._design.AxiLite()
         free(m, dut)
+        self._awake = awake = Insides(dut)["awake"]
         bus = dut.bus
         b = Channel(dut.bvalid, dut.bready, dut.bresp)
         stable(m, b, "b")
-        aw = _Kept(m, Channel(dut.awvalid, dut.awready, dut.awaddr), moves(b), "aw")
-        w = _Kept(m, Channel(dut.wvalid, dut.wready, Cat(dut.wdata, dut.wstrb)), moves(b), "w")
+        aw = _Kept(m, Channel(dut.awvalid, dut.awready, dut.awaddr), moves(b), "aw", awake)
+        w = _Kept(m, Channel(dut.wvalid, dut.wready, Cat(dut.wdata, dut.wstrb)), moves(b), "w", awake)
         both = aw.open & w.open
         _access(m, "write", complete=both, strobe=bus.write, answer=b, error=bus.write_error)
         m.d.comb += [
@@ -95,7 +105,7 @@ class LiteChecker(Elaboratable):
 
         r = Channel(dut.rvalid, dut.rready, Cat(dut.rresp, dut.rdata))
         stable(m, r, "r")
-        ar = _Kept(m, Channel(dut.arvalid, dut.arready, dut.araddr), moves(r), "ar")
+        ar = _Kept(m, Channel(dut.arvalid, dut.arready, dut.araddr), moves(r), "ar", awake)
         _access(m, "read", complete=ar.open, strobe=bus.read, answer=r, error=bus.read_error)
         found = Signal.like(bus.read_data)
         with m.If(bus.read):
@@ -112,7 +122,8 @@ class LiteChecker(Elaboratable):
         """The block keeps what it has taken."""
         bus = dut.bus
         for kept, ready in ((aw, dut.awready), (w, dut.wready), (ar, dut.arready)):
-            invariant(m, kept.open == ~ready, "what is open and what is ready differ")
+            invariant(m, kept.open == (self._awake & ~ready), "what is open and what is ready differ")
+            invariant(m, self._awake | ~ready, "ready in reset")
         with m.If(aw.open):
             invariant(m, bus.write_address == aw.payload[2:], "the address is not kept")
         with m.If(w.open):
@@ -129,24 +140,27 @@ LITE = Claim(
     covered=8,
     faults=(
         Fault(
-            "complete = ~self.awready & ~self.wready & ~self.bvalid",
-            "complete = ~self.awready & ~self.bvalid",
+            "complete = awake & ~self.awready & ~self.wready & ~self.bvalid",
+            "complete = awake & ~self.awready & ~self.bvalid",
             "write: an access without a complete request",
             within=8,
         ),
         Fault(
-            "complete = ~self.awready & ~self.wready & ~self.bvalid",
-            "complete = ~self.awready & ~self.wready",
+            "complete = awake & ~self.awready & ~self.wready & ~self.bvalid",
+            "complete = awake & ~self.awready & ~self.wready",
             "write: two accesses",
             within=8,
         ),
-        Fault("with m.If(self.bvalid & self.bready):", "with m.If(self.bvalid):", "b: valid falls", within=8),
+        Fault("complete = awake & ", "complete = ", "write: an access without a complete request", within=8),
+        Fault("(self.bvalid & self.bready) | ~awake", "self.bvalid | ~awake", "b: valid falls", within=8),
+        Fault("(self.rvalid & self.rready) | ~awake", "self.rvalid & self.rready", "ar: not ready", within=8),
+        Fault('"arready": Out(1)', '"arready": Out(1, init=1)', "ar: ready in reset", within=2),
         Fault("self.awready.eq(1), self.wready.eq(1)]", "self.awready.eq(1)]", "w: not ready", within=8),
         Fault("Mux(bus.write_error, SLVERR, OKAY)", "OKAY", "write: the wrong response", within=8),
         Fault(
             "bus.read_address.eq(self.araddr[2:])", "bus.read_address.eq(self.araddr)", "address", within=8
         ),
-        Fault("bus.read.eq(~self.arready & ~self.rvalid)", "bus.read.eq(~self.arready)", "two accesses", 8),
+        Fault("& ~self.arready & ~self.rvalid)", "& ~self.arready)", "two accesses", 8),
         Fault(
             "with m.If(bus.read):", "with m.If(bus.read & ~bus.write):", "read: a request is not", within=8
         ),

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from amaranth.hdl import Assume, Elaboratable, Module, Mux, Signal
+from amaranth.hdl import Assert, Assume, Elaboratable, Module, Mux, Signal
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -31,18 +31,22 @@ BITS = 4
 
 
 class SkidChecker(Elaboratable):
-    def __init__(self, design: Any) -> None:
+    def __init__(self, design: Any, *, closed_in_reset: bool = False) -> None:
         self._design = design
+        self._closed = closed_in_reset
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        m.submodules.dut = dut = self._design.SkidBuffer(BITS)
+        m.submodules.dut = dut = self._design.SkidBuffer(BITS, closed_in_reset=self._closed)
         inside = Insides(dut)
         free(m, dut)
         board = stream_rules(m, dut.i, dut.o, capacity=2, leaves=1, accepts=2)
         full, ready = inside["first_full"], inside["ready"]
-        invariant(m, full | ready, "the spare is full behind an empty first place")
-        invariant(m, board.inside == full + ~ready, "places and beats differ in number")
+        awake = Signal(init=not self._closed)
+        m.d.sync += awake.eq(1)
+        m.d.comb += Assert(awake | ~dut.i.ready, "i: ready in reset")
+        invariant(m, full | ready | ~awake, "the spare is full behind an empty first place")
+        invariant(m, board.inside == full + (full & ~ready), "places and beats differ in number")
         for ahead, place in enumerate(("first", "spare")):
             with m.If(board.following & (board.ahead == ahead)):
                 invariant(m, inside[place] == board.value, f"another beat is in the {place} place")
@@ -56,9 +60,7 @@ SKID = Claim(
     depth=2,
     covered=8,
     faults=(
-        Fault(
-            "first_full.eq(~ready | self.i.valid)", "first_full.eq(self.i.valid)", "does not leave", within=8
-        ),
+        Fault("~ready | self.i.valid", "self.i.valid", "does not leave", within=8),
         Fault(
             "with m.If(ready):\n            m.d.sync += spare",
             "if True:\n            m.d.sync += spare",
@@ -71,6 +73,17 @@ SKID = Claim(
             "payload changes",
             within=8,
         ),
+    ),
+)
+CLOSED = Claim(
+    says="SkidBuffer, closed in reset: stream rules, and nothing is taken in reset",
+    design=hdl.stream,
+    check=lambda design: SkidChecker(design, closed_in_reset=True),
+    depth=2,
+    covered=8,
+    faults=(
+        Fault("Mux(ready, self.i.valid, first_full) if self._closed else ", "", "that never went in", 8),
+        Fault("Signal(init=not self._closed)", "Signal(init=1)", "in reset", within=2),
     ),
 )
 
@@ -201,6 +214,6 @@ PIPELINE = Claim(
 )
 
 
-@pytest.mark.parametrize("case", cases(SKID, *QUEUES, PIPELINE))
+@pytest.mark.parametrize("case", cases(SKID, CLOSED, *QUEUES, PIPELINE))
 def test_buffers(case: Case, record_property: Callable[[str, object], None]) -> None:
     case(record_property)

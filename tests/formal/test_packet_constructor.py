@@ -154,6 +154,7 @@ class PacketChecker(Elaboratable):
     def _results(self, m: Module, dut: Any, passed: Signal, dropped: Signal) -> None:
         """What is reported: all of the last complete frame's corners, and those of them that were dropped."""
         results = dut.results
+        end, cut = moves(dut.o) & dut.o.payload.last, dut.o.payload.record[CUT_SHIFT]
         found, lost, any_results = Signal(COUNT_BITS), Signal(COUNT_BITS), Signal()
         with m.If(moves(dut.i) & dut.i.payload.last):
             m.d.sync += [found.eq(passed + dropped), lost.eq(dropped), any_results.eq(1)]
@@ -163,6 +164,8 @@ class PacketChecker(Elaboratable):
             Assert((results.corners == found) & (results.dropped == lost), "the results are wrong"),
             Assert(dut.any_results == any_results, "it is not known whether there are results"),
             Assert(dut.done == (moves(dut.i) & dut.i.payload.last), "the wrong end is reported as done"),
+            Assert(dut.events.frame_done == (end & ~cut), "an end is not reported when it is taken"),
+            Assert(dut.events.frame_cut == (end & cut), "a cut is not reported when it is taken"),
             Assert(
                 dut.events.records_dropped
                 == (moves(dut.i) & ~dut.i.payload.last & (passed >= dut.max_records)),
@@ -189,6 +192,7 @@ PACKETS = Claim(
             "the number of records",
             within=10,
         ),
+        Fault("delivered = self.o.valid & self.o.ready", "delivered = self.o.valid", "when it is taken", 6),
         Fault("(last | ~full)", "~full", "does not leave", within=8),
         Fault("last.eq(last | self.close)", "last.eq(last)", "o: ", within=8),
         Fault("with m.If(self.done | self.closed):", "with m.If(self.done):", "consecutive", within=8),

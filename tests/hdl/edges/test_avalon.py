@@ -27,6 +27,7 @@ WIDTH, HEIGHT = 33, 24
 PARAMETERS = Parameters(max_width=WIDTH, max_height=HEIGHT, autostart=True)
 BEAT = data.StructLayout({"data": 8, "start": 1, "end": 1})
 CONTROL_PACKET = [0xF, 0, 0, 2, 1, 0, 0, 1, 8, 3]
+SIGMA1 = Settings.default(PARAMETERS).sigma1_fixed
 ADDRESSES = {register.name: register.address >> 2 for register in register_map(PARAMETERS)}
 
 
@@ -152,6 +153,17 @@ def test_registers() -> None:
         return got
 
     async def bench(context: Any) -> None:
+        # asked for in reset, it waits; afterwards nothing does
+        context.set(dut.avs_registers_read, 1)
+        context.set(dut.avs_registers_write, 1)
+        context.set(dut.avs_registers_byteenable, 0xF)
+        context.set(dut.avs_registers_address, ADDRESSES["SIGMA1"])
+        assert context.get(dut.avs_registers_waitrequest) and not context.get(dut.asi_video_ready)
+        await context.tick()
+        assert not context.get(dut.avs_registers_waitrequest) and context.get(dut.asi_video_ready)
+        context.set(dut.avs_registers_read, 0)
+        context.set(dut.avs_registers_write, 0)
+        assert await read(context, ["ID", "SIGMA1", "ID"]) == [IDENTITY, SIGMA1, IDENTITY]
         assert await read(context, ["ID", "SIZE", "ID"]) == [IDENTITY, WIDTH | HEIGHT << 16, IDENTITY]
         await write(context, "SIZE", 20 | 18 << 16)
         await write(context, "SIGMA1", 0x1234)

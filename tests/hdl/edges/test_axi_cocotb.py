@@ -53,8 +53,13 @@ SHORT: dict[str, dict[str, list[str]]] = {
             for idle in ("0.0", "0.4")
             for stall in ("0.0", "0.5")
         ],
-        "registers": ["after_reset/bus=0.5", "bytes_of_registers/bus=0.5", "size_refused", "interrupts"],
-        "settings": ["max_records", "soft_reset", "input_idle", "output_stalled"],
+        "registers": [
+            *("after_reset/bus=0.5", "bytes_of_registers/bus=0.5", "asked_in_reset", "size_refused"),
+            "interrupts",
+        ],
+        "settings": [
+            *("max_records", "soft_reset", "input_idle", "timeout_lowered", "ends_wait", "output_stalled"),
+        ],
         "malformed": ["early_sof_right_after_a_frame/pauses=0.0"],
         "stress": ["stress"],
     },
