@@ -25,7 +25,7 @@ from cornerstream.options import (
     threshold_options,
 )
 from golden import Corners, detection
-from golden.corners import check_distance
+from golden.checks import check_distance
 
 
 @click.command(short_help="Golden model on one image.")

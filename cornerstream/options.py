@@ -12,6 +12,7 @@ from cornerstream import console
 from cornerstream.errors import BadInput, bad_input
 from cornerstream.idle import Idle, refuse_idle
 from golden import PROFILES, Parameters, Settings, profile
+from golden.checks import check_integer
 from golden.parameters import (
     MAX_SUPPRESSION,
     Buffering,
@@ -23,7 +24,6 @@ from golden.parameters import (
     ResponseFilter,
     Texture,
     Ties,
-    check_integer,
 )
 from hdl.edges import Interface, check_core
 

@@ -7,13 +7,14 @@ import io
 import os
 from dataclasses import dataclass, fields
 from enum import IntFlag
-from math import hypot, inf
-from numbers import Real
+from math import hypot
 from pathlib import Path
 from typing import Any, TextIO, overload
 
 import numpy as np
 from numpy.typing import NDArray
+
+from golden.checks import check_distance
 
 
 class Flag(IntFlag):
@@ -169,12 +170,6 @@ class Corners(ByValue):
                 stays[index] = True
                 grid.setdefault((column, row), []).append((x, y))
         return self[stays]
-
-
-def check_distance(name: str, value: object) -> None:
-    """Raise ``ValueError`` naming the argument, its value and what is allowed, unless it is a distance in pixels."""
-    if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) < inf:
-        raise ValueError(f"{name} is {value!r}; allowed: numbers of pixels from 0")
 
 
 def _as_text(name: str, values: NDArray[Any]) -> list[Any]:

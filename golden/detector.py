@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from golden.adaptation import adapted_threshold, histogram
 from golden.adaptive_threshold import adaptive_threshold
+from golden.checks import check_integer, check_type
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
 from golden.corners import ByValue, Corners
 from golden.normal_equations import PIXEL_SIZE
 from golden.output_constructor import FrameEnd, Records, decode, encode, encode_frame_end
-from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings, check_integer, check_type
+from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings
 from golden.preprocessing import Image, IntArray, gradients, products
 from golden.response import response
 from golden.response_filter import response_filter

@@ -33,8 +33,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.checks import check_integer, is_whole
 from golden.corners import Corners, Flag
-from golden.parameters import COORDINATE_BITS, OFFSET_BITS, check_integer, is_whole
+from golden.parameters import COORDINATE_BITS, OFFSET_BITS
 from golden.preprocessing import IntArray
 from golden.subpixel import Offset
 

@@ -6,8 +6,10 @@ Number formats are derived here and nowhere else, so that the two cannot drift a
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from numbers import Integral, Real
-from typing import Any, Literal, TypeGuard, get_args
+from numbers import Real
+from typing import Any, Literal
+
+from golden.checks import check_choice, check_integer, check_switch, check_type
 
 Gradient = Literal["absolute", "signed"]
 Derivative = Literal["central", "sobel"]
@@ -45,30 +47,6 @@ OPTIONS = frozenset({"derivative", "response_filter", "texture", "suppression", 
 """Fields of ``Parameters`` that go without mention where they have their default."""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
 MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10
-
-
-def _check_choice(field: str, value: object, allowed: object) -> None:
-    choices = get_args(allowed)
-    # an array would compare itself with each of them
-    if not isinstance(value, str) or value not in choices:
-        raise ValueError(f"{field} is {value!r}; allowed: {', '.join(choices)}")
-
-
-def is_whole(value: object) -> TypeGuard[int]:
-    """Is this a whole number? NumPy's integers are as good as Python's, truth values are none."""
-    return isinstance(value, Integral) and not isinstance(value, bool)
-
-
-def check_integer(field: str, value: object, low: int, high: int) -> None:
-    """Raise ``ValueError`` naming the field, its value and what is allowed, unless low <= value <= high."""
-    if not (is_whole(value) and low <= int(value) <= high):
-        raise ValueError(f"{field} is {value!r}; allowed: whole numbers from {low} to {high}")
-
-
-def check_type(name: str, value: object, kind: type) -> None:
-    """Raise ``TypeError`` naming the argument, what it is and what is allowed, unless it is of this kind."""
-    if not isinstance(value, kind):
-        raise TypeError(f"{name} is a {type(value).__name__}; allowed: {kind.__name__}")
 
 
 def _plain_integer(frozen: object, field: str, low: int, high: int) -> None:
@@ -177,16 +155,15 @@ class Parameters:
         ):
             _plain_integer(self, field, low, high)
         for field in ("video_out", "autostart", "budget"):
-            if not isinstance(getattr(self, field), bool):
-                raise ValueError(f"{field} is {getattr(self, field)!r}; allowed: True or False")
-        _check_choice("gradient", self.gradient, Gradient)
-        _check_choice("derivative", self.derivative, Derivative)
-        _check_choice("response_filter", self.response_filter, ResponseFilter)
-        _check_choice("ties", self.ties, Ties)
-        _check_choice("texture", self.texture, Texture)
-        _check_choice("fit", self.fit, Fit)
-        _check_choice("patches", self.patches, Patches)
-        _check_choice("buffering", self.buffering, Buffering)
+            check_switch(field, getattr(self, field))
+        check_choice("gradient", self.gradient, Gradient)
+        check_choice("derivative", self.derivative, Derivative)
+        check_choice("response_filter", self.response_filter, ResponseFilter)
+        check_choice("ties", self.ties, Ties)
+        check_choice("texture", self.texture, Texture)
+        check_choice("fit", self.fit, Fit)
+        check_choice("patches", self.patches, Patches)
+        check_choice("buffering", self.buffering, Buffering)
         if self.response_filter == "binomial":
             # S is known one pixel less far around a corner; a surface could not wait for more than its own 3x3 of it
             most = MAX_SUPPRESSION - 1 if self.fit == "gradient" else 1
@@ -302,11 +279,12 @@ class Settings:
     def __post_init__(self) -> None:
         _check_fraction("sigma1", self.sigma1, 1)
         _check_fraction("sigma2", self.sigma2, 1 << SIGMA2_INTEGER_BITS)
-        _check_choice("reference", self.reference, Reference)
+        check_choice("reference", self.reference, Reference)
         # how large they may be depends on the detector: see check()
         largest = Parameters(pixel_bits=MAX_PIXEL_BITS, gradient="signed").response_max
         _plain_integer(self, "constant", 1, largest)
         _plain_integer(self, "floor", 1, largest)
+        check_switch("report_rejected", self.report_rejected)
         _plain_integer(self, "max_corners", 0, (1 << BUDGET_BITS) - 1)
         _plain_integer(self, "target_corners", 0, (1 << BUDGET_BITS) - 1)
 
@@ -316,6 +294,7 @@ class Settings:
 
         1/16 and 1/128 of the range of A + B, which is what the class defaults are for 8-bit pixels.
         """
+        check_type("parameters", parameters, Parameters)
         bits = parameters.root_bits
         return cls(**{"constant": 1 << (bits - 4), "floor": 1 << (bits - 7), **changes})
 
@@ -324,6 +303,7 @@ class Settings:
 
         Constant or floor exceed its D, sigma2 is none of its adaptive threshold's, or it lacks the budget asked for.
         """
+        check_type("parameters", parameters, Parameters)
         for field in ("constant", "floor"):
             check_integer(field, getattr(self, field), 1, parameters.response_max)
         smallest = 2**-MEAN_WEIGHT_FRACTION_BITS

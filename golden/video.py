@@ -27,10 +27,11 @@ from enum import IntFlag
 
 import numpy as np
 
+from golden.checks import check_integer, check_type
 from golden.corners import ByValue
 from golden.detector import frame_records, next_threshold, pixel_dtype, response_map, within_budget
 from golden.output_constructor import COUNT_BITS, FrameEnd, Records, encode_frame_end
-from golden.parameters import SUPPORT, Parameters, Settings, check_integer, check_type
+from golden.parameters import SUPPORT, Parameters, Settings
 from golden.preprocessing import Image
 from golden.thresholds import Thresholds, choose_reference, thresholds
 
@@ -96,6 +97,7 @@ class VideoSettings:
 
     def check(self, parameters: Parameters) -> None:
         """Raise ``TypeError`` or ``ValueError`` if a detector built so cannot be set so."""
+        check_type("parameters", parameters, Parameters)
         check_integer("width", self.width, SUPPORT, parameters.max_width)
         check_integer("height", self.height, SUPPORT, parameters.max_height)
         check_integer("max_records", self.max_records, 0, NO_LIMIT)

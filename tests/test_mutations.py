@@ -221,6 +221,12 @@ MUTATIONS = {
         "standing_out >= t1",
         "tests/golden/test_adaptive_threshold.py",
     ),
+    "the weaker of two corners stays": Mutation(
+        "golden/corners.py",
+        "np.argsort(-self.response",
+        "np.argsort(self.response",
+        "tests/golden/test_corners.py",
+    ),
     "a large sigma2 becomes a small weight": Mutation(
         "hdl/thresholds.py",
         "sigma2[high:].any()",

@@ -48,6 +48,9 @@ WORDS = "records have dtype {}; allowed: uint64"
         ),
         (lambda: check_image(IMAGE, SET), PARAMETERS.format("Settings")),
         (lambda: check_image(None, PLAIN), "image is a NoneType; allowed: a plain NumPy array"),
+        (lambda: SET.check("robust"), PARAMETERS.format("str")),
+        (lambda: Settings.default(SET), PARAMETERS.format("Settings")),
+        (lambda: VIDEO.check(None), PARAMETERS.format("NoneType")),
         (lambda: StreamModel(SET), PARAMETERS.format("Settings")),
         (lambda: StreamModel(0), PARAMETERS.format("int")),
         (lambda: StreamModel().process(IMAGE, PLAIN), SETTINGS.format("Parameters")),
@@ -74,6 +77,7 @@ def test_types(call: Callable[[], Any], message: str) -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
+        (lambda: Settings(report_rejected="no"), "report_rejected is 'no'; allowed: True or False"),
         (lambda: decode(np.zeros((2, 3), np.uint64)), r"records have shape \(2, 3\); allowed: \(n,\)"),
         (lambda: decode(np.zeros((), np.uint64)), r"records have shape \(\); allowed: \(n,\)"),
         (lambda: decode_frame_end(-1), "record is -1; allowed: whole numbers from 0 to 18446744073709551615"),

@@ -1,0 +1,44 @@
+"""Arguments that are refused: each in one line with its name, what it is and what is allowed."""
+
+from __future__ import annotations
+
+from math import inf
+from numbers import Integral, Real
+from typing import TypeGuard, get_args
+
+
+def is_whole(value: object) -> TypeGuard[int]:
+    """Is this a whole number? NumPy's integers are as good as Python's, truth values are none."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
+
+
+def check_type(name: str, value: object, kind: type) -> None:
+    """Raise ``TypeError`` naming the argument, what it is and what is allowed, unless it is of this kind."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} is a {type(value).__name__}; allowed: {kind.__name__}")
+
+
+def check_integer(field: str, value: object, low: int, high: int) -> None:
+    """Raise ``ValueError`` naming the field, its value and what is allowed, unless low <= value <= high."""
+    if not (is_whole(value) and low <= int(value) <= high):
+        raise ValueError(f"{field} is {value!r}; allowed: whole numbers from {low} to {high}")
+
+
+def check_choice(field: str, value: object, allowed: object) -> None:
+    """Raise ``ValueError`` naming the field, its value and what is allowed, unless the ``Literal`` lists it."""
+    choices = get_args(allowed)
+    # an array would compare itself with each of them
+    if not isinstance(value, str) or value not in choices:
+        raise ValueError(f"{field} is {value!r}; allowed: {', '.join(choices)}")
+
+
+def check_switch(field: str, value: object) -> None:
+    """Raise ``ValueError`` naming the field and its value, unless that is a truth value."""
+    if not isinstance(value, bool):
+        raise ValueError(f"{field} is {value!r}; allowed: True or False")
+
+
+def check_distance(name: str, value: object) -> None:
+    """Raise ``ValueError`` naming the argument, its value and what is allowed, unless it is a distance in pixels."""
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) < inf:
+        raise ValueError(f"{name} is {value!r}; allowed: numbers of pixels from 0")
