@@ -158,6 +158,8 @@ class Corners(ByValue):
             The distance is no number from 0 on.
         """
         check_distance("distance", distance)
+        if distance == 0:
+            return self
         stays = ~self.accepted
         strongest_first = np.argsort(-self.response, kind="stable")
         cell = max(float(distance), 1.0)

@@ -196,6 +196,8 @@ def test_the_package_says_what_is_in_it(interface: PackageInterface, changes: di
     readme = files["README.md"]
     assert all(f"| `{name}` |" in readme for name in files if name != "README.md")
     assert f"cornerstream package --interface {interface}\n" in readme
+    reach = 4 if manifest["parameters"]["fit"] == "gradient" else 0.5
+    assert f"a corner is at most {reach} pixels from its peak" in readme
     for name, text in files.items():
         assert text.endswith("\n") and not text.endswith("\n\n"), name
         if not name.startswith("rtl/"):
