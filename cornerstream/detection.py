@@ -19,8 +19,10 @@ from cornerstream.options import (
     image_argument,
     json_option,
     model_options,
+    normalize_option,
     output_option,
     parameters_from,
+    pixel_bits_option,
     settings_from,
     threshold_options,
 )
@@ -31,6 +33,8 @@ from golden.checks import check_distance
 @click.command(short_help="Golden model on one image.")
 @image_argument
 @model_options
+@pixel_bits_option
+@normalize_option
 @threshold_options
 @output_option(None, "Folder for corners.csv and corners.png.  [default: build, or no files with --json]")
 @click.option(
@@ -43,7 +47,9 @@ from golden.checks import check_distance
     "and only here: the hardware keeps no more than peaks apart, by --suppression.",
 )
 @json_option
-def detect(image: Path, output: Path | None, min_distance: float, as_json: bool, **options: Any) -> None:
+def detect(
+    image: Path, output: Path | None, min_distance: float, as_json: bool, normalize: bool, **options: Any
+) -> None:
     """Find the corners of IMAGE with the golden model, without hardware.
 
     Thresholds are relative to the image's own largest response: what the hardware uses from the second
@@ -54,6 +60,7 @@ def detect(image: Path, output: Path | None, min_distance: float, as_json: bool,
       cornerstream detect photo.jpg
       cornerstream detect photo.jpg --profile robust --sigma1 0.05 -o corners/
       cornerstream detect photo.jpg --profile robust --min-distance 8
+      cornerstream detect camera12bit.tif --pixel-bits 10 --normalize
       cornerstream detect photo.jpg --json | jq '.corners | length'
     """
     parameters = parameters_from(options, hardware=False)
@@ -65,7 +72,7 @@ def detect(image: Path, output: Path | None, min_distance: float, as_json: bool,
     )
     with bad_input():
         check_distance("min_distance", min_distance)
-    photograph = load(image, parameters)
+    photograph = load(image, parameters, normalize=normalize)
     console.remarks(photograph)
     if output is None and not as_json:
         output = Path("build")
@@ -73,7 +80,7 @@ def detect(image: Path, output: Path | None, min_distance: float, as_json: bool,
         prepare_folder(output)
     found = detection(photograph.pixels, parameters, settings)
     corners = found.corners.apart(min_distance)
-    written = [] if output is None else write_results(output, photograph.pixels, corners)
+    written = [] if output is None else write_results(output, photograph.shown(parameters), corners)
     if written:
         console.files_written(written)
     height, width = photograph.pixels.shape

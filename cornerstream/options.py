@@ -58,6 +58,14 @@ def _setting(name: str, kind: Any, text: str, **more: Any) -> Callable[[Command]
     return click.option(name, type=kind, default=usual, show_default=True, help=text, **more)
 
 
+def _scaled(name: str, text: str) -> Callable[[Command], Command]:
+    """A field of ``Settings`` whose default follows the pixel bits."""
+    usual = getattr(_USUAL, name.removeprefix("--"))
+    return click.option(
+        name, type=int, help=f"{text}  [default: {usual} with 8-bit pixels, 4 times that per further bit]"
+    )
+
+
 _choices = _together(
     click.option(
         "--profile",
@@ -117,6 +125,12 @@ pixel_bits_option = click.option(
     help="Width of a pixel, 4 to 10.",
 )
 
+normalize_option = click.option(
+    "--normalize",
+    is_flag=True,
+    help="Stretch the image: its smallest value becomes 0, its largest all of the pixel bits.",
+)
+
 
 def interface_option(default: Interface) -> Callable[[Command], Command]:
     """``--interface``."""
@@ -148,8 +162,8 @@ threshold_options = _together(
     _setting(
         "--reference", click.Choice(get_args(Reference)), "The previous frame's largest D, or --constant."
     ),
-    _setting("--constant", int, "Reference where no previous frame counts, in units of D."),
-    _setting("--floor", int, "The reference is never below it."),
+    _scaled("--constant", "Reference where no previous frame counts, in units of D."),
+    _scaled("--floor", "The reference is never below it."),
     _setting(
         "--max-corners",
         int,
@@ -215,11 +229,12 @@ def parameters_from(options: dict[str, Any], *, hardware: bool) -> Parameters:
 
 def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
     """The thresholds that the command line asks for; corners that the texture filter rejects are reported."""
+    asked = {field: options[field] for field in _THRESHOLDS if options[field] is not None}
     with bad_input():
         # before what no detector at all could have
-        for field in ("constant", "floor"):
-            check_integer(field, options[field], 1, parameters.response_max)
-        settings = Settings(**{field: options[field] for field in _THRESHOLDS}, report_rejected=True)
+        for field in {"constant", "floor"} & set(asked):
+            check_integer(field, asked[field], 1, parameters.response_max)
+        settings = Settings.default(parameters, **asked, report_rejected=True)
         settings.check(parameters)
     constant = settings.reference == "constant"
     refuse_idle(

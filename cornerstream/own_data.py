@@ -5,6 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
+
+from cornerstream import console
 from cornerstream.errors import BadInput, one_line, reason
 from cornerstream.images import load
 from evaluation.boards import Board
@@ -29,7 +32,6 @@ LONGEST_PHOTOGRAPH = 1280
 """Photographs of scenes and boards are shrunk to this: from there on they are no sharper, only larger."""
 _HOMOGRAPHY = re.compile(r"H_?(\d+)(?:_to_|_|to)(\d+)p?(?:_\w+)?(?:\.txt)?")
 _ANY_SIZE = Parameters(max_width=MAX_SIDE, max_height=MAX_SIDE)
-_BUILT = Parameters()
 
 
 def _files(folder: Path, what: str) -> list[Path]:
@@ -45,21 +47,32 @@ def _files(folder: Path, what: str) -> list[Path]:
     return found
 
 
+def _pixels(path: Path, said: set[str]) -> Image:
+    """Grey of any size; what was done to get it is said once of all the images that share ``said``."""
+    photograph = load(path, _ANY_SIZE, options=False)
+    for remark in photograph.remarks:
+        if remark not in said:
+            console.say(f"{path}, and others alike: {remark}")
+    said.update(photograph.remarks)
+    return photograph.pixels.astype(np.uint8, copy=False)
+
+
 def load_images(folder: Path) -> list[NamedImage]:
     """Photographs of a folder, grouped by the folder they are in."""
-    images = []
-    for path in _files(folder, "photographs"):
-        pixels = shrink(load(path, _ANY_SIZE).pixels, LONGEST_PHOTOGRAPH)
-        images.append(NamedImage(str(path.relative_to(folder)), pixels, path.parent.name))
-    return images
+    said: set[str] = set()
+    return [
+        NamedImage(
+            str(path.relative_to(folder)), shrink(_pixels(path, said), LONGEST_PHOTOGRAPH), path.parent.name
+        )
+        for path in _files(folder, "photographs")
+    ]
 
 
 def load_boards(folder: Path, size: tuple[int, int] | None) -> list[Board]:
     """Photographs of chessboards."""
+    said: set[str] = set()
     return [
-        Board(
-            str(path.relative_to(folder)), shrink(load(path, _ANY_SIZE).pixels, LONGEST_PHOTOGRAPH), size=size
-        )
+        Board(str(path.relative_to(folder)), shrink(_pixels(path, said), LONGEST_PHOTOGRAPH), size=size)
         for path in _files(folder, "photographs of chessboards")
     ]
 
@@ -72,10 +85,11 @@ def load_pairs(folder: Path) -> list[Pair]:
     """
     _files(folder, "images and homographies H_1_2.txt ...")
     pairs = []
+    said: set[str] = set()
     for path in sorted(folder.rglob("H*")):
         names = _HOMOGRAPHY.fullmatch(path.name)
         if names and path.is_file():
-            first, second = (_numbered(path.parent, int(number)) for number in names.groups())
+            first, second = (_numbered(path.parent, int(number), said) for number in names.groups())
             try:
                 homography = read_homography(path)
             except SourceError as error:
@@ -89,11 +103,11 @@ def load_pairs(folder: Path) -> list[Pair]:
     return pairs
 
 
-def _numbered(folder: Path, number: int) -> Image:
+def _numbered(folder: Path, number: int, said: set[str]) -> Image:
     for path in sorted(folder.iterdir()):
         digits = re.search(r"(\d+)$", path.stem)
         if path.suffix.lower() in SUFFIXES and digits and int(digits[1]) == number:
-            return load(path, _BUILT).pixels
+            return _pixels(path, said)
     raise BadInput(
         f"{folder} has no image {number}, which a homography there names; allowed: {number}.png etc."
     )
@@ -102,7 +116,8 @@ def _numbered(folder: Path, number: int) -> Image:
 def load_video(path: Path) -> list[Pair]:
     """Pairs of frames of a video file, or of a folder of frames in order of their names."""
     if path.is_dir():
-        frames = [shrink(load(each, _ANY_SIZE).pixels) for each in _files(path, "frames of a video")]
+        said: set[str] = set()
+        frames = [shrink(_pixels(each, said)) for each in _files(path, "frames of a video")]
         if len(frames) <= FRAMES_APART or len({frame.shape for frame in frames}) > 1:
             raise BadInput(f"{path} is no video; allowed: {FRAMES_APART + 1} or more frames of one size")
         return frame_pairs(frames, path.name, path.name, pairs=PAIRS_PER_VIDEO, apart=FRAMES_APART)

@@ -23,8 +23,10 @@ from cornerstream.images import default_photograph, load
 from cornerstream.options import (
     detector_options,
     json_option,
+    normalize_option,
     output_option,
     parameters_from,
+    pixel_bits_option,
     settings_from,
     threshold_options,
 )
@@ -50,7 +52,7 @@ from sim.engine import VCD_CLOCKS
 from sim.verilog_engine import verilator_root
 from sim.waves import save_path
 
-Image = NDArray[np.uint8]
+Image = NDArray[np.unsignedinteger[Any]]
 
 _GATES = "gates"
 
@@ -81,6 +83,8 @@ class Run:
     "Folder for corners.csv and corners.png, both of the last frame.  [default: build, or no files with --json]",
 )
 @detector_options
+@pixel_bits_option
+@normalize_option
 @threshold_options
 @click.option(
     "--engine",
@@ -113,7 +117,7 @@ class Run:
     help="Length of the waves.",
 )
 @json_option
-def simulate(image: Path | None, output: Path | None, as_json: bool, **options: Any) -> None:
+def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: bool, **options: Any) -> None:
     """Stream IMAGE through the simulated hardware and compare it with the golden model, record by record.
 
     Without IMAGE, it is scikit-image's photograph 'camera', 512x512. Exit code 1 if any record differs.
@@ -123,6 +127,7 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, **options: 
       cornerstream simulate
       cornerstream simulate photo.jpg --profile robust -o corners/
       cornerstream simulate photo.jpg --stall-input 0.3 --stall-output 0.3 --seed 7
+      cornerstream simulate photo16bit.png --pixel-bits 10
       cornerstream simulate --engine verilog
       cornerstream simulate --engine gates --width 512
       cornerstream simulate --vcd build/waves.vcd --vcd-clocks 20000
@@ -131,7 +136,10 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, **options: 
     parameters = parameters_from(options, hardware=True)
     settings = settings_from(options, parameters)
     run = _run_from(options)
-    photograph = default_photograph(parameters) if image is None else load(image, parameters)
+    if image is None:
+        photograph = default_photograph(parameters, normalize=normalize)
+    else:
+        photograph = load(image, parameters, normalize=normalize)
     console.remarks(photograph)
     _check_tools(run.engine)
     if output is None and not as_json:
@@ -148,7 +156,7 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, **options: 
     rows = _rows(photograph.pixels, result, expected, mismatches)
     written = []
     if output is not None:
-        written += write_results(output, photograph.pixels, decode(result.frames[-1].records))
+        written += write_results(output, photograph.shown(parameters), decode(result.frames[-1].records))
     if run.vcd:
         written += [run.vcd, save_path(run.vcd)]
     if as_json:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from evaluation.packages import opencv
 from golden import Parameters, Settings, detect
-from golden.parameters import MARGIN, SIGMA2_INTEGER_BITS
+from golden.parameters import MARGIN, MAX_SIDE, SIGMA2_INTEGER_BITS
 
 Image = NDArray[np.uint8]
 Points = NDArray[np.float64]
@@ -74,7 +74,8 @@ class Ours(Detector):
 
     def __init__(self, name: str, parameters: Parameters, *, filtered: bool = True) -> None:
         self.name = name
-        self.parameters = parameters
+        # what is built limits the size of a frame, and nothing else: images of every size are measured
+        self.parameters = replace(parameters, max_width=MAX_SIDE, max_height=MAX_SIDE)
         self.filtered = filtered
 
     def ranked(self, image: Image, thresholds: Thresholds) -> Points:

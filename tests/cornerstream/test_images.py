@@ -1,16 +1,21 @@
-"""Images of every kind that Pillow reads: converted with a remark, or refused in one line."""
+"""Images by hand: what is done with colour, transparency, sizes, damage, and what a file holds beside its pixels."""
 
 from __future__ import annotations
 
+import importlib.util
+import struct
+import zlib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, features
 
 from cornerstream.errors import BadInput
 from cornerstream.images import default_photograph, load
 from golden import Parameters
+from tests.image_files import bmp, by_pillow, chunk, exif, pgm, png
 
 PARAMETERS = Parameters(max_width=64, max_height=48)
 GRADIENT = (np.arange(30 * 40) % 256).astype(np.uint8).reshape(30, 40)
@@ -76,48 +81,6 @@ def test_first_picture_of_several(tmp_path: Path) -> None:
     assert "first" in photograph.remarks[0]
 
 
-@pytest.mark.parametrize("orientation", range(1, 9))
-def test_exif_orientation_is_obeyed(tmp_path: Path, orientation: int) -> None:
-    upright = Image.fromarray(GRADIENT)
-    stored = {  # how a camera held in that way stores the upright picture
-        1: GRADIENT,
-        2: GRADIENT[:, ::-1],
-        3: GRADIENT[::-1, ::-1],
-        4: GRADIENT[::-1],
-        5: GRADIENT.T,
-        6: np.rot90(GRADIENT),
-        7: np.rot90(GRADIENT, 2).T,
-        8: np.rot90(GRADIENT, -1),
-    }[orientation]
-    exif = Image.Exif()
-    exif[0x0112] = orientation
-    path = saved(tmp_path / "turned.png", Image.fromarray(np.ascontiguousarray(stored)), exif=exif)
-    # 40x30 fits, 30x40 would not: the limit is for the upright picture
-    photograph = load(path, Parameters(max_width=40, max_height=30))
-    assert photograph.pixels.tolist() == np.asarray(upright).tolist()
-    assert len(photograph.remarks) == (orientation != 1)
-
-
-@pytest.mark.parametrize("suffix", ["png", "tif", "pgm"])
-def test_sixteen_bit_grey_is_refused(tmp_path: Path, suffix: str) -> None:
-    image = Image.fromarray(np.full((20, 20), 40000, np.uint16))
-    with pytest.raises(BadInput, match=r"bits per (channel|pixel).*; allowed: 8-bit"):
-        load(saved(tmp_path / f"deep.{suffix}", image), PARAMETERS)
-
-
-def test_sixteen_bit_colour_is_refused(tmp_path: Path) -> None:
-    # Pillow opens these as 8-bit RGB and writes none, hence the raw PPM
-    path = tmp_path / "deep.ppm"
-    path.write_bytes(b"P6 20 20 65535\n" + bytes(20 * 20 * 6))
-    with pytest.raises(BadInput, match="16 bits per channel; allowed: 8-bit"):
-        load(path, PARAMETERS)
-
-
-def test_floating_point_image_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(BadInput, match="Pillow mode F"):
-        load(saved(tmp_path / "float.tif", Image.new("F", (20, 20))), PARAMETERS)
-
-
 @pytest.mark.parametrize("size", [(14, 15), (15, 14), (65, 48), (64, 49)])
 def test_size_out_of_range(tmp_path: Path, size: tuple[int, int]) -> None:
     path = saved(tmp_path / "size.png", Image.new("L", size))
@@ -149,3 +112,134 @@ def test_default_photograph() -> None:
     assert photograph.pixels.shape == (512, 512)
     with pytest.raises(BadInput, match=r"camera .* is 512x512 pixels"):
         default_photograph(PARAMETERS)
+
+
+@pytest.mark.parametrize("kind", ["TIFF", "GIF"])
+def test_damage_behind_the_first_picture(tmp_path: Path, kind: str) -> None:
+    """Cut anywhere: one line, or the first picture, which is whole."""
+    frames = [Image.fromarray(np.roll(GRADIENT, shift, axis=1)) for shift in (0, 9, 20)]
+    content = by_pillow(frames[0], kind, save_all=True, append_images=frames[1:])
+    path, seen = tmp_path / "several", set()
+    for length in range(10, len(content) + 10, 10):
+        path.write_bytes(content[:length])
+        try:
+            photograph = load(path, PARAMETERS)
+        except BadInput as error:
+            assert "\n" not in error.message and "allowed: " in error.message
+        else:
+            assert photograph.pixels.tolist() == GRADIENT.tolist()
+            seen |= {remark for remark in photograph.remarks if "first" in remark}
+    assert seen == {
+        "more than one picture in the file: the first is used",
+        "what follows the first picture of the file is damaged: the first is used",
+    }
+
+
+def test_pages_of_different_kinds(tmp_path: Path) -> None:
+    colour = Image.fromarray(np.dstack([GRADIENT, GRADIENT // 2, 255 - GRADIENT]))
+    pages = [Image.fromarray(GRADIENT).convert("P"), Image.fromarray(GRADIENT).convert("1")]
+    photograph = load(saved(tmp_path / "pages.tif", colour, save_all=True, append_images=pages), PARAMETERS)
+    assert photograph.pixels.tolist() == np.asarray(colour.convert("L")).tolist()
+    assert photograph.remarks[0] == "more than one picture in the file: the first is used"
+
+
+@pytest.mark.parametrize(
+    "extra",
+    [
+        chunk(b"zTXt", b"Comment\0\0" + zlib.compress(bytes(2 << 20))),
+        chunk(b"iTXt", b"Comment\0\1\0\0\0" + zlib.compress(b"a" * (2 << 20))),
+        chunk(b"iCCP", b"profile\0\0" + zlib.compress(bytes(2 << 20))),
+        chunk(b"tEXt", b"Comment\0" + b"a" * (66 << 20)),
+    ],
+    ids=["zTXt", "iTXt", "iCCP", "tEXt"],
+)
+@pytest.mark.parametrize("where", ["before", "after"])
+def test_long_texts_in_a_png(tmp_path: Path, extra: bytes, where: str) -> None:
+    path = tmp_path / "text.png"
+    path.write_bytes(png(GRADIENT, 8, **{where: extra}))
+    assert load(path, PARAMETERS).pixels.tolist() == GRADIENT.tolist()
+
+
+def test_animated_png(tmp_path: Path) -> None:
+    first, second = Image.fromarray(GRADIENT), Image.fromarray(GRADIENT[::-1])
+    photograph = load(saved(tmp_path / "two.png", first, save_all=True, append_images=[second]), PARAMETERS)
+    assert photograph.pixels.tolist() == GRADIENT.tolist()
+    assert photograph.remarks == ("more than one picture in the file: the first is used",)
+
+
+def test_orientation_behind_the_pixels_of_a_png(tmp_path: Path) -> None:
+    path = tmp_path / "turned.png"
+    path.write_bytes(png(GRADIENT, 8, after=chunk(b"eXIf", exif(3))))
+    assert load(path, PARAMETERS).pixels.tolist() == GRADIENT[::-1, ::-1].tolist()
+
+
+def test_bmp_of_five_and_six_bits(tmp_path: Path) -> None:
+    red, green, blue = GRADIENT >> 3, GRADIENT[::-1] >> 2, GRADIENT[:, ::-1] >> 3
+    word = (red.astype(np.uint16) << 11) | (green.astype(np.uint16) << 5) | blue
+    path = tmp_path / "565.bmp"
+    masks = struct.pack("<III", 0xF800, 0x07E0, 0x001F)
+    path.write_bytes(bmp(word[::-1].astype("<u2").tobytes(), (40, 30), 16, [], masks))
+    wide = np.dstack([red * (255 / 31), green * (255 / 63), blue * (255 / 31)])
+    assert np.abs(load(path, PARAMETERS).pixels - wide @ (0.299, 0.587, 0.114)).max() <= 1.5
+
+
+@pytest.mark.parametrize(("largest", "bits"), [(100, 8), (1000, 10)])
+def test_pgm_whose_white_is_no_power_of_two(tmp_path: Path, largest: int, bits: int) -> None:
+    numbers = np.arange(30 * 40).reshape(30, 40) % (largest + 1)
+    path = tmp_path / "white.pgm"
+    path.write_bytes(pgm(numbers, largest))
+    photograph = load(path, replace(PARAMETERS, pixel_bits=bits))
+    exact = numbers * ((1 << bits) - 1) / largest
+    assert np.abs(photograph.pixels - exact).max() < 1 and photograph.pixels.max() == (1 << bits) - 1
+    assert photograph.remarks == (f"grey of 0 to {largest}: stretched to full scale",)
+
+
+@pytest.mark.parametrize("compression", ["packbits", "tiff_lzw", "tiff_adobe_deflate", "group4", "jpeg"])
+def test_compressed_tiff(tmp_path: Path, compression: str) -> None:
+    image = Image.fromarray(GRADIENT)
+    image = image.convert("1") if compression == "group4" else image
+    photograph = load(saved(tmp_path / "c.tif", image, compression=compression), PARAMETERS)
+    assert np.abs(photograph.pixels - np.asarray(image.convert("L")).astype(int)).max() <= (
+        60 if compression == "jpeg" else 0
+    )
+
+
+@pytest.mark.parametrize("predictor", [1, 2])
+def test_deep_tiff_by_lzw(tmp_path: Path, predictor: int) -> None:
+    deep = GRADIENT.astype(np.uint16) * 251
+    path = saved(
+        tmp_path / "deep.tif", Image.fromarray(deep), compression="tiff_lzw", tiffinfo={317: predictor}
+    )
+    photograph = load(path, replace(PARAMETERS, pixel_bits=10))
+    assert photograph.pixels.tolist() == (deep >> 6).tolist()
+
+
+def test_floating_point_tiff_by_lzw(tmp_path: Path) -> None:
+    image = Image.fromarray(GRADIENT.astype(np.float32))
+    path = saved(tmp_path / "float.tif", image, compression="tiff_lzw")
+    if importlib.util.find_spec("imagecodecs"):
+        assert load(path, PARAMETERS, normalize=True).pixels.tolist() == GRADIENT.tolist()
+        return
+    with pytest.raises(BadInput, match=r"only the package imagecodecs reads .*; allowed without it: "):
+        load(path, PARAMETERS, normalize=True)
+
+
+def test_colour_space_that_is_not_known(tmp_path: Path) -> None:
+    path = saved(tmp_path / "lab.tif", Image.new("LAB", (20, 16)))
+    with pytest.raises(BadInput, match=r"8-bit LAB \(TIFF\); allowed: "):
+        load(path, PARAMETERS)
+
+
+def test_avif_without_its_decoder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(features.modules, "avif", raising=False)
+    path = tmp_path / "a.avif"
+    # heading of 8 bits
+    path.write_bytes(b"\0\0\0\x14ftypavif\0\0\0\0avif....av1C\x81\x00\x00\x00")
+    with pytest.raises(BadInput, match=r"AVIF, which needs Pillow 11\.3"):
+        load(path, PARAMETERS)
+
+
+def test_file_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cornerstream.images._LARGEST_FILE", 1 << 30 >> 20)
+    with pytest.raises(BadInput, match="is larger than"):
+        load(saved(tmp_path / "grey.bmp", Image.fromarray(GRADIENT)), PARAMETERS)
