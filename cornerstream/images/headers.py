@@ -195,9 +195,10 @@ def _jpeg2000(data: bytes) -> Header:
 
 
 def _avif(data: bytes) -> Header:
-    # two flags in the third byte of each picture's configuration: more than 8 bits, 12 bits
+    # flags in the third byte of each picture's configuration: more than 8 bits, 12 bits, grey
     flags = [found[1][0] for found in re.finditer(rb"av1C..(.)", data, re.DOTALL)]
-    return Header("AVIF", max({0x00: 8, 0x20: 8, 0x40: 10, 0x60: 12}[flag & 0x60] for flag in flags))
+    bits = max({0x00: 8, 0x20: 8, 0x40: 10, 0x60: 12}[flag & 0x60] for flag in flags)
+    return Header("AVIF", bits, layout="grey" if all(flag & 0x10 for flag in flags) else "colour")
 
 
 def _always_8_bits(name: str) -> Callable[[bytes], Header]:
