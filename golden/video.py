@@ -182,14 +182,25 @@ class VideoModel:
     def feed(self, beats: Iterable[tuple[int, bool, bool]], video: VideoSettings) -> list[Packet]:
         """Packets of the frames that end with these beats: ``(pixel, start of frame, end of line)``.
 
-        ``TypeError`` or ``ValueError`` if a detector built so cannot be set so or, at a pixel's turn, cannot take it.
+        ``TypeError`` or ``ValueError``, and nothing has happened, if a detector built so cannot be set so, or cannot
+        take one of the pixels.
         """
         check_type("video", video, VideoSettings)
         video.check(self.parameters)
+        beats = list(beats)
+        self._check_pixels([pixel for pixel, _, _ in beats])
         return [packet for beat in beats for packet in self._feed(*beat, video)]
 
+    def _check_pixels(self, pixels: list[int]) -> None:
+        largest = self.parameters.pixel_max
+        together = np.array(pixels)
+        if together.dtype.kind in "iu" and together.min() >= 0 and together.max() <= largest:
+            return
+        # one by one only to say which
+        for pixel in pixels:
+            check_integer("pixel", pixel, 0, largest)
+
     def _feed(self, pixel: int, sof: bool, eol: bool, video: VideoSettings) -> list[Packet]:
-        check_integer("pixel", pixel, 0, self.parameters.pixel_max)
         packets = []
         if self._now is not None and sof:
             self.events |= Event.SOF_EARLY

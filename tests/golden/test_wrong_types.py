@@ -94,6 +94,13 @@ def test_values(call: Callable[[], Any], message: str) -> None:
         call()
 
 
+def test_a_refused_pixel_leaves_no_trace() -> None:
+    model = VideoModel(PLAIN)
+    with pytest.raises(ValueError, match=r"^pixel is -1; allowed: whole numbers from 0 to 255$"):
+        model.feed([(7, True, False), (-1, False, False)], VIDEO)
+    assert not model.active and model.feed([], VIDEO) == []
+
+
 def test_words_of_either_byte_order_and_any_stride_are_decoded() -> None:
     words = np.array([5 << 40 | 9 << 27 | 8 << 7, 7 << 40], np.uint64)
     for same in (words.astype(">u8"), np.repeat(words, 2)[::2]):
