@@ -43,6 +43,11 @@ def files_written(paths: list[Path]) -> None:
     say(f"Written: {', '.join(map(str, paths))}")
 
 
+def size(of: float) -> str:
+    """So many bytes, for people."""
+    return f"{of / 1e6:.0f} MB" if of >= 1e7 else f"{of / 1e6:.1f} MB"
+
+
 def show(table: Table) -> None:
     """A table of results: in a file or pipe as wide as its text, in a narrow terminal without blanks beside it."""
     wanted = out.measure(table, options=out.options.update(width=_ANY_WIDTH)).maximum

@@ -17,7 +17,7 @@ from rich.table import Table
 from cornerstream import console
 from cornerstream.about import about
 from cornerstream.errors import BadInput, Failed, bad_input
-from cornerstream.files import prepare_folder, write_results
+from cornerstream.files import prepare_file, prepare_folder, write_results
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.images import default_photograph, load
 from cornerstream.options import (
@@ -55,6 +55,10 @@ from sim.waves import save_path
 Image = NDArray[np.unsignedinteger[Any]]
 
 _GATES = "gates"
+_WAVE_BYTES = {"compiled": 8000, "amaranth": 5000, "verilog": 3500, _GATES: 20000}
+"""Of waves per clock, measured on a frame full of detail with profile ``paper``: a smoother one takes less."""
+_GRADIENT_FIT = 2.5
+"""Times as many with the gradient step, whose sums change with every pixel."""
 
 
 @dataclass(frozen=True)
@@ -101,12 +105,13 @@ class Run:
 @click.option(
     "--stall-output", type=float, default=0.0, metavar="P", help="Probability that no record is taken."
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the pauses.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of the random pauses.")
 @click.option(
     "--vcd",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Write waves, and beside them a list of the signals worth seeing (FILE with .gtkw, for GTKWave).",
+    help="Write waves, several kilobytes per clock, and beside them a list of the signals worth seeing for "
+    "GTKWave (FILE with .gtkw): pixels, responses, thresholds, candidates and decoded records.",
 )
 @click.option(
     "--vcd-clocks",
@@ -114,7 +119,7 @@ class Run:
     default=VCD_CLOCKS,
     show_default=True,
     metavar="N",
-    help="Length of the waves.",
+    help="Clocks that are written to --vcd, from the first on.",
 )
 @json_option
 def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: bool, **options: Any) -> None:
@@ -144,11 +149,15 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: 
     _check_tools(run.engine)
     if output is None and not as_json:
         output = Path("build")
-    for folder in (output, run.vcd and run.vcd.parent):
-        if folder is not None:
-            prepare_folder(folder)
+    if output is not None:
+        prepare_folder(output)
+    for path in (run.vcd, save_path(run.vcd)) if run.vcd else ():
+        prepare_file(path)
+    _announce_waves(run, photograph.pixels, parameters)
     engine = _engine(run.engine, parameters)
     result = _simulate(engine, run, photograph.pixels, parameters, settings)
+    if run.vcd and not run.vcd.is_file():
+        raise Failed(f"waves could not be written to {run.vcd}")
     expected = _expected(run.frames, photograph.pixels, parameters, settings)
     mismatches = compare(result, [frame.records for frame in expected])
     if not result.frames:
@@ -180,6 +189,8 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: 
         )
     if written:
         console.files_written(written)
+    if run.vcd:
+        console.say(f"Waves: {console.size(run.vcd.stat().st_size)}")
     if mismatches:
         raise Failed(f"hardware and golden model differ: {summarize(mismatches)}")
 
@@ -187,7 +198,7 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: 
 def _run_from(options: dict[str, Any]) -> Run:
     with bad_input():
         stalls = Stalls(options["stall_input"], options["stall_output"], options["seed"])
-    if (vcd := options["vcd"]) is not None and (vcd.suffix != ".vcd" or vcd.is_dir()):
+    if (vcd := options["vcd"]) is not None and (vcd.suffix != ".vcd" or (vcd.exists() and not vcd.is_file())):
         raise BadInput(f"waves cannot be written to {str(vcd)!r}; allowed: a file whose name ends in .vcd")
     refuse_idle(
         Idle(
@@ -200,6 +211,15 @@ def _run_from(options: dict[str, Any]) -> Run:
         Idle("target_corners", options["frames"] == 1, "with --frames 2 or more"),
     )
     return Run(options["engine"], options["frames"], stalls, vcd, options["vcd_clocks"])
+
+
+def _announce_waves(run: Run, pixels: Image, parameters: Parameters) -> None:
+    if run.vcd is None:
+        return
+    clocks = min(run.vcd_clocks, round(run.frames * pixels.size / (1 - run.stalls.inputs)))
+    each = _WAVE_BYTES[run.engine] * (_GRADIENT_FIT if parameters.fit == "gradient" else 1)
+    size = console.size(clocks * each)
+    console.say(f"Waves of {clocks:,} clocks will take up to about {size} (an estimate)")
 
 
 def _check_tools(engine: str) -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +18,7 @@ from amaranth.sim import Simulator
 from sim.engine import QUIET, VCD_CLOCKS, Progress, SimulationError, broken_rule, hang
 from sim.ports import Ports, StreamPort, discover
 from sim.stimulus import Capture, Plan, Stimulus, Words, prepare, shaped
-from sim.waves import save_path
+from sim.waves import Find, View, views, write_save_file
 
 PERIOD = 1e-8
 """Seconds; shows in waveforms only."""
@@ -182,6 +184,16 @@ class _Job:
         )
 
 
+def _key(view: View, name: str) -> str:
+    return f"{view.module}/{name}"
+
+
+def _find_in(save: str) -> Find:
+    """Where the signals are in the waves, as a save file says it that has a group, named by key, for each."""
+    paths = dict(re.findall(r"^-(\S+)\n@\w+\n([^-\s]\S*)$", save, re.MULTILINE))
+    return lambda view, name: paths.get(_key(view, name))
+
+
 class AmaranthEngine:
     """See :class:`sim.engine.Engine`."""
 
@@ -242,15 +254,6 @@ class AmaranthEngine:
             await context.tick()
         job.report()
 
-    def _traces(self) -> dict[str, list[Any]]:
-        groups: dict[str, list[Any]] = {}
-        for port in (*self.ports.inputs, *self.ports.outputs):
-            member = getattr(self._component, port.name)
-            ready = [member.ready] if port.has_ready else []
-            groups[port.name] = [member.valid, *ready, Value.cast(member.payload)]
-        groups["inputs"] = [Value.cast(getattr(self._component, level.name)) for level in self.ports.levels]
-        return groups
-
     def run(
         self,
         stimulus: Stimulus,
@@ -272,11 +275,14 @@ class AmaranthEngine:
             running = True
             if vcd is not None:
                 path = Path(vcd)
-                traces = self._traces()
-                stack.enter_context(self._simulator.write_vcd(str(path), str(save_path(path)), traces=traces))
+                # names in the waves are Amaranth's own, which it tells in a save file only
+                shown, save = views(self._component, self.ports), StringIO()
+                traces = {_key(view, name): part for view in shown for name, part in view.signals.items()}
+                stack.enter_context(self._simulator.write_vcd(str(path), save, traces=traces))
                 while running and job.clock < vcd_clocks:
                     running = self._simulator.advance()
                 stack.close()
+                write_save_file(path, shown, _find_in(save.getvalue()))
             if running:
                 self._simulator.run()
         if job.error is not None:

@@ -23,6 +23,7 @@ from amaranth.lib import wiring
 from sim.compiler import build, find_compiler, run_tool
 from sim.native import NativeEngine, describe_levels, describe_streams
 from sim.ports import Ports, discover, signals
+from sim.waves import views
 
 _TOP = "dut"
 _POSEDGE = "bool posedge_p_clk = this->posedge_p_clk();"
@@ -113,13 +114,12 @@ def describe(ports: Ports, present: set[str], *, once: bool, waves: bool) -> str
 class CompiledEngine(NativeEngine):
     """See :class:`sim.engine.Engine`."""
 
-    scope = _TOP
-
     def __init__(
         self, component: wiring.Component, *, notify: Callable[[str], None], cache: Path | None = None
     ) -> None:
         super().__init__()
         self.ports = discover(component)
+        self._views = views(component, self.ports)
         # Before anything that may fail: Amaranth warns of components that are never elaborated.
         text = rtlil.convert(component, name=_TOP, ports=signals(component), emit_src=False)
         self._rtlil = without_zeros(text)

@@ -16,7 +16,7 @@ from sim.compiler import CompilationError, find_compiler
 from sim.engine import QUIET, VCD_CLOCKS, Progress, broken_rule, hang
 from sim.ports import LevelPort, Ports, StreamPort
 from sim.stimulus import Capture, Plan, Stimulus, prepare, shaped
-from sim.waves import write_save_file
+from sim.waves import View, find_in, write_save_file
 
 BATCH = 200_000
 """Clocks per call into the library: Ctrl-C and progress reports wait for its end."""
@@ -237,8 +237,8 @@ class NativeEngine(ABC):
 
     ports: Ports
     name: str
-    scope: str
-    """Path of the ports in waveform files."""
+    _views: list[View]
+    """What the save files of waves show."""
     _present: set[str]
     """Names of the top module's ports."""
 
@@ -270,4 +270,4 @@ class NativeEngine(ABC):
             return run_native(self._libraries[waves], plan, progress, path, vcd_clocks)
         finally:
             if path is not None and path.exists():
-                write_save_file(path, self.ports, self.scope, "clk" if "clk" in self._present else None)
+                write_save_file(path, self._views, find_in(path))

@@ -19,6 +19,7 @@ from sim.compiled_engine import package_text
 from sim.compiler import build, find_compiler, run_tool
 from sim.native import NativeEngine, describe_levels, describe_streams
 from sim.ports import Ports, discover
+from sim.waves import views
 
 _CLASS = "Vdut"
 _GENERATORS = ("verilog_engine.py", "native.py")
@@ -87,8 +88,6 @@ def describe(ports: Ports, present: set[str], *, waves: bool) -> str:
 class VerilogEngine(NativeEngine):
     """See :class:`sim.engine.Engine`. From the component it takes the ports only."""
 
-    scope = "TOP"
-
     def __init__(
         self,
         component: wiring.Component,
@@ -99,6 +98,7 @@ class VerilogEngine(NativeEngine):
     ) -> None:
         super().__init__()
         self.ports = discover(component)
+        self._views = views(component, self.ports)
         # Nothing is made of it, but Amaranth takes a component that is never elaborated for a mistake.
         Fragment.get(component, platform=None)
         self._root = verilator_root()

@@ -1,12 +1,117 @@
-"""GTKWave save files: what is worth looking at, the streams' handshakes first."""
+"""GTKWave save files: what is worth looking at in the waves of a component, above all of the detector."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, NamedTuple
 
+from amaranth.hdl import Const, Shape, Value
+from amaranth.lib import data, wiring
 from vcd.gtkw import GTKWSave
 
+from golden.corners import Flag
+from golden.output_constructor import (
+    COORDINATE_BITS,
+    FLAG_SHIFT,
+    RECORD_BITS,
+    RESPONSE_FIELD_BITS,
+    RESPONSE_SHIFT,
+)
 from sim.ports import Ports
+
+_INSIDE = (
+    ("responses", "response", "o"),
+    ("thresholds", "thresholds", "thresholds"),
+    ("largest response", "thresholds", "maximum"),
+    ("candidates", "candidate selection", "note"),
+    ("candidates' derivatives", "candidate selection", "candidate"),
+)
+"""Streams between the detector's blocks: a title, the block, and its member."""
+_ENDS = {"i": "pixels", "o": "records"}
+"""Titles of the detector's own streams."""
+
+
+class Field(NamedTuple):
+    """Some bits of a payload, from ``low`` up."""
+
+    name: str
+    low: int
+    width: int
+    signed: bool = False
+
+
+_RECORD = (
+    Field("x (1/128 px)", 0, COORDINATE_BITS),
+    Field("y (1/128 px)", COORDINATE_BITS, COORDINATE_BITS),
+    Field("response", RESPONSE_SHIFT, RESPONSE_FIELD_BITS),
+    *(Field(str(flag.name).lower(), FLAG_SHIFT + flag.bit_length() - 1, 1) for flag in Flag),
+)
+
+
+@dataclass(frozen=True)
+class View:
+    """Signals that are shown as one group.
+
+    Parameters
+    ----------
+    title
+        Of the group.
+    module
+        In which of the component's modules the signals are; empty: at its top.
+    signals
+        By name in RTLIL and Verilog.
+    fields
+        Of which the last signal, a payload, consists.
+    """
+
+    title: str
+    module: str
+    signals: dict[str, Value]
+    fields: tuple[Field, ...] = ()
+
+
+def views(component: wiring.Component, ports: Ports) -> list[View]:
+    """What is worth seeing of a component: its streams, those inside if it is a detector, and its plain inputs."""
+    blocks = getattr(component, "blocks", {})
+    inside = [
+        _stream(title, block.replace(" ", "_"), name, getattr(blocks[block], name))
+        for title, block, name in _INSIDE
+        if block in blocks
+    ]
+    ins, outs = (
+        [
+            _stream(_ENDS.get(name, name) if inside else name, "", name, getattr(component, name))
+            for name in (port.name for port in some)
+        ]
+        for some in (ports.inputs, ports.outputs)
+    )
+    levels = {level.name: Value.cast(getattr(component, level.name)) for level in ports.levels}
+    return [*ins, *inside, *outs, *([View("inputs", "", levels)] if levels else [])]
+
+
+def _stream(title: str, module: str, name: str, stream: Any) -> View:
+    members = {part: Value.cast(getattr(stream, part)) for part in ("valid", "ready", "payload")}
+    signals = {f"{name}__{part}": value for part, value in members.items() if not isinstance(value, Const)}
+    payload = stream.payload
+    fields = _fields(payload.shape(), "", 0) if isinstance(payload, data.View) else ()
+    return View(title, module, signals, tuple(fields))
+
+
+def _fields(shape: Any, name: str, low: int) -> Iterator[Field]:
+    plain = Shape.cast(shape)
+    if isinstance(shape, data.StructLayout):
+        for part, field in shape:
+            yield from _fields(field.shape, str(part), low + field.offset)
+    elif (name, plain.width) == ("record", RECORD_BITS):
+        yield from (field._replace(low=low + field.low) for field in _RECORD)
+    else:
+        yield Field(name, low, plain.width, plain.signed)
+
+
+Find = Callable[[View, str], str | None]
+"""Full name of one of a view's signals in the waves, with its range of bits; None if it is not there."""
 
 
 def save_path(vcd: Path) -> Path:
@@ -14,35 +119,62 @@ def save_path(vcd: Path) -> Path:
     return vcd.with_suffix(".gtkw")
 
 
-def write_save_file(vcd: Path, ports: Ports, scope: str, clock: str | None) -> None:
-    """Write a save file that shows each stream as a group, then the plain inputs.
+def find_in(vcd: Path) -> Find:
+    """Where the signals are in a VCD file that has them under the names of RTLIL and Verilog."""
+    names: dict[str, int] = {}
+    scope: list[str] = []
+    with vcd.open(encoding="utf-8", errors="replace") as file:
+        # pyvcd's own reader takes no names that begin with $, which CXXRTL writes
+        for words in map(str.split, file):
+            match words:
+                case ["$scope", _, name, *_]:
+                    scope.append(name)
+                case ["$upscope", *_]:
+                    scope.pop()
+                case ["$var", _, width, _, name, *_]:
+                    names[".".join([*scope, name])] = int(width)
+                case ["$enddefinitions", *_]:
+                    break
 
-    Parameters
-    ----------
-    vcd
-        Waveform file that exists.
-    scope
-        Dotted path in the VCD under which the ports are found.
-    clock
-        Name of the clock there, None if there is none.
-    """
+    def find(view: View, signal: str) -> str | None:
+        ending = "." + ".".join(filter(None, (view.module, signal)))
+        found = min((name for name in names if name.endswith(ending)), key=len, default=None)
+        return None if found is None else found + bits(names[found])
 
-    def trace(save: GTKWSave, name: str, width: int) -> None:
-        if width > 0:
-            save.trace(f"{scope}.{name}" + (f"[{width - 1}:0]" if width > 1 else ""))
+    return find
 
+
+def bits(width: int) -> str:
+    """The range that follows a vector's name."""
+    return f"[{width - 1}:0]" if width > 1 else ""
+
+
+def write_save_file(vcd: Path, shown: list[View], find: Find) -> None:
+    """Write a save file beside a VCD file: each view is a group, and a payload's fields are traces of their own."""
     with save_path(vcd).open("w", encoding="utf-8") as file:
         save = GTKWSave(file)
         save.dumpfile(str(vcd.resolve()))
         save.dumpfile_size(vcd.stat().st_size)
-        save.treeopen(f"{scope}.")
-        if clock is not None:
-            trace(save, clock, 1)
-        for port in (*ports.inputs, *ports.outputs):
-            with save.group(port.name):
-                trace(save, port.flat("valid"), 1)
-                if port.has_ready:
-                    trace(save, port.flat("ready"), 1)
-                trace(save, port.flat("payload"), port.width)
-        for level in ports.levels:
-            trace(save, level.name, level.width)
+        for view in shown:
+            found = {name: path for name in view.signals if (path := find(view, name)) is not None}
+            if not found:
+                continue
+            with save.group(view.title):
+                for name, path in found.items():
+                    width = len(view.signals[name])
+                    if not name.endswith("__payload") or not view.fields:
+                        save.trace(path, datafmt=_format(width))
+                    else:
+                        _trace_fields(save, path, width, view.fields)
+
+
+def _trace_fields(save: GTKWSave, path: str, width: int, fields: tuple[Field, ...]) -> None:
+    for name, low, size, signed in fields:
+        # GTKWave counts a vector's bits from the left
+        first = width - low - size
+        chosen = " ".join(f"({first + bit}){path}" for bit in range(size))
+        save.trace(f"#{{{name}}} {chosen}", datafmt="signed" if signed else _format(size))
+
+
+def _format(width: int) -> str:
+    return "dec" if width > 1 else "bin"

@@ -144,7 +144,10 @@ def test_waves_are_written_with_a_signal_list() -> None:
     result = run("simulate", "grey.png", "--engine", "amaranth", *SIZE, *options)
     assert Path("waves/w.vcd").stat().st_size > 0
     assert "i__valid" in Path("waves/w.gtkw").read_text()
-    assert "waves/w.vcd, waves/w.gtkw" in result.stderr
+    before, written, after = result.stderr.splitlines()
+    assert before == "Waves of 50 clocks will take up to about 0.6 MB (an estimate)"
+    assert "waves/w.vcd, waves/w.gtkw" in written
+    assert after == f"Waves: {Path('waves/w.vcd').stat().st_size / 1e6:.1f} MB"
 
 
 def test_mismatches_are_told_and_end_with_code_1(monkeypatch: pytest.MonkeyPatch) -> None:

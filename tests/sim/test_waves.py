@@ -8,7 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim import EngineName, Stimulus
+from golden import Parameters, Settings, decode
+from golden.detector import response_map
+from hdl.detector import Detector
+from sim import EngineName, Stalls, Stimulus, make_engine, simulate_frames
 from tests.sim.conftest import EngineFor
 
 
@@ -60,3 +63,65 @@ def test_save_file_shows_the_handshakes_first(
     handshakes = [f"{stream}__{field}" for stream in "io" for field in ("valid", "ready", "payload")]
     assert [name for name in names if name != "clk"] == [*handshakes, "offset"]
     assert set(traces) <= variables(path)
+
+
+def listed(path: Path) -> dict[tuple[str, str], tuple[str, slice]]:
+    """Per group and trace of a save file: the signal, and the bits that are shown, counted from the left."""
+    traces: dict[tuple[str, str], tuple[str, slice]] = {}
+    group = ""
+    for line in path.read_text().splitlines():
+        if line.startswith("-"):
+            group = "" if group == line[1:] else line[1:]
+        elif named := re.fullmatch(r"#\{(.*)\} (.*)", line):
+            bits = re.findall(r"\((\d+)\)([\w.$]+)", named[2])
+            first, last = int(bits[0][0]), int(bits[-1][0])
+            assert bits == [(str(bit), bits[0][1]) for bit in range(first, last + 1)]
+            traces[group, named[1]] = (bits[0][1], slice(first, last + 1))
+        elif whole := re.fullmatch(r"((?:\w+\.)+[\w$]+)(?:\[\d+:0\])?", line):
+            traces[group, whole[1].rpartition(".")[2]] = (whole[1], slice(None))
+    return traces
+
+
+def changes(path: Path) -> dict[str, set[str]]:
+    """All values that each signal of a VCD file takes, as bits."""
+    header, body = path.read_text().split("$enddefinitions")
+    codes: dict[str, tuple[str, int]] = {}
+    scope: list[str] = []
+    for line in header.splitlines():
+        words = line.split()
+        if words[:1] == ["$scope"]:
+            scope.append(words[2])
+        elif words[:1] == ["$upscope"]:
+            scope.pop()
+        elif words[:1] == ["$var"] and words[1] == "wire":
+            codes[".".join([*scope, words[4]])] = (words[3], int(words[2]))
+    values: dict[str, set[str]] = {}
+    for bits, code in re.findall(r"^(?:b([01]+) |(?=[01]))(\S+)$", body, re.MULTILINE):
+        number, code = (bits, code) if bits else (code[0], code[1:])
+        values.setdefault(code, set()).add(number)
+    return {name: {value.zfill(width) for value in values[code]} for name, (code, width) in codes.items()}
+
+
+def test_save_file_shows_what_the_detector_does(tmp_path: Path) -> None:
+    parameters = Parameters(max_width=20, max_height=18, buffering="lean")
+    settings = Settings(sigma1=0.001, sigma2=0.8, floor=1, report_rejected=True)
+    image = np.random.default_rng(27).integers(0, 256, (18, 20), np.uint8)
+    path = tmp_path / "detector.vcd"
+    engine = make_engine("amaranth", Detector(parameters))
+    stalls = Stalls(0.1, 0.3, seed=1)
+    result = simulate_frames(engine, [(image, settings)], parameters, stalls=stalls, vcd=path, vcd_clocks=600)
+    corners = decode(result.frames[0].records)
+    assert 0 < np.count_nonzero(corners.accepted) < len(corners)
+
+    traces, values = listed(path.with_suffix(".gtkw")), changes(path)
+    shown = {trace: {int(value[bits], 2) for value in values[name]} for trace, (name, bits) in traces.items()}
+    groups = {group for group, _ in traces}
+    assert groups >= {"pixels", "responses", "thresholds", "largest response", "candidates", "records"}
+    # settings stay, and so few corners make nothing wait
+    steady = {trace for trace, seen in shown.items() if len(seen) < 2}
+    assert all(group == "inputs" or name.partition("$")[0].endswith("__ready") for group, name in steady)
+    assert shown["records", "x (1/128 px)"] >= set((128 * corners.x).astype(int).tolist())
+    assert shown["records", "y (1/128 px)"] >= set((128 * corners.y).astype(int).tolist())
+    assert shown["records", "response"] >= set(corners.response.tolist())
+    assert shown["records", "textured"] == {0, 1}
+    assert shown["responses", "data"] >= set(response_map(image, parameters).ravel().tolist())
