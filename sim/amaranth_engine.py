@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import time
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from io import StringIO
 from pathlib import Path
@@ -18,7 +19,7 @@ from amaranth.sim import Simulator
 from sim.engine import QUIET, VCD_CLOCKS, Progress, SimulationError, broken_rule, hang
 from sim.ports import Ports, StreamPort, discover
 from sim.stimulus import Capture, Plan, Stimulus, Words, prepare, shaped
-from sim.waves import Find, View, views, write_save_file
+from sim.waves import Find, View, views, whole, write_save_file
 
 PERIOD = 1e-8
 """Seconds; shows in waveforms only."""
@@ -254,6 +255,19 @@ class AmaranthEngine:
             await context.tick()
         job.report()
 
+    @contextmanager
+    def _waves(self, path: Path) -> Iterator[None]:
+        """Write waves meanwhile, and at the end the list of signals, unless it is a pipe, which has no size."""
+        # names in the waves are Amaranth's own, which it tells in a save file only
+        shown, save = views(self._component, self.ports), StringIO()
+        traces = {_key(view, name): part for view in shown for name, part in view.signals.items()}
+        with whole(path) as file, file.open("w", encoding="utf-8") as waves:
+            listed = None if file == path else save
+            with self._simulator.write_vcd(waves, listed, traces=traces):
+                yield
+        if listed is not None:
+            write_save_file(path, shown, _find_in(save.getvalue()))
+
     def run(
         self,
         stimulus: Stimulus,
@@ -274,15 +288,10 @@ class AmaranthEngine:
         with ExitStack() as stack:
             running = True
             if vcd is not None:
-                path = Path(vcd)
-                # names in the waves are Amaranth's own, which it tells in a save file only
-                shown, save = views(self._component, self.ports), StringIO()
-                traces = {_key(view, name): part for view in shown for name, part in view.signals.items()}
-                stack.enter_context(self._simulator.write_vcd(str(path), save, traces=traces))
+                stack.enter_context(self._waves(Path(vcd)))
                 while running and job.clock < vcd_clocks:
                     running = self._simulator.advance()
                 stack.close()
-                write_save_file(path, shown, _find_in(save.getvalue()))
             if running:
                 self._simulator.run()
         if job.error is not None:

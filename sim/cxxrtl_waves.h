@@ -1,20 +1,18 @@
 // Waveforms through CXXRTL's own writer. Base class of the generated Dut, which has the design as `top`.
 
 #include <cstdint>
-#include <cstdio>
 #include <cxxrtl/cxxrtl_vcd.h>
+
+#include "wave_file.h"
 
 template <class Dut>
 class Waves {
 public:
     Waves() = default;
     Waves(const Waves &) = delete;
-    ~Waves() {
-        if (file_ != nullptr) std::fclose(file_);
-    }
 
     void waves(const char *path) {
-        file_ = std::fopen(path, "w");
+        file_.open(path);
         cxxrtl::debug_items items;
         static_cast<Dut *>(this)->top.debug_info(&items, nullptr, "dut ");
         writer_.timescale(1, "ns");
@@ -23,13 +21,17 @@ public:
     }
 
     void sample(int64_t time) {
-        if (file_ == nullptr) return;
         writer_.sample(uint64_t(time));
-        std::fwrite(writer_.buffer.data(), 1, writer_.buffer.size(), file_);
+        file_.write(writer_.buffer.data(), writer_.buffer.size());
         writer_.buffer.clear();
     }
 
+    int finish() {
+        file_.close();
+        return file_.error();
+    }
+
 private:
-    std::FILE *file_ = nullptr;
+    WaveFile file_;
     cxxrtl::vcd_writer writer_;
 };

@@ -1,6 +1,7 @@
 // The clock loop of a compiled simulation. Included after the generated description of the ports:
 //
-//   struct Dut             reset(bool), level(port, value), settle(), advance(), waves(path), sample(time)
+//   struct Dut             reset(bool), level(port, value), settle(), advance(), waves(path), sample(time),
+//                          finish(): closes the waves, errno if they could not be written
 //   struct Input0, ...     words, payload(Dut &, const uint64_t *), valid(Dut &, bool), ready(Dut &)
 //   struct Output0, ...    words, always_ready, payload(Dut &, uint64_t *), valid(Dut &), ready(Dut &, bool)
 //   using Inputs, Outputs  std::tuple of the above
@@ -102,6 +103,8 @@ public:
     }
 
     int run(int64_t clocks) { return run(clocks, states_.input_indices, states_.output_indices); }
+
+    int finish_waves() { return dut_.finish(); }
 
     int64_t clock() const { return clock_; }
     int64_t remaining() const { return remaining_; }
@@ -291,6 +294,9 @@ EXPORT void sim_copy(void *sim, int64_t stream, uint64_t *payloads, int64_t *clo
         std::copy(sink.clocks.begin(), sink.clocks.end(), clocks);
     });
 }
+
+// After the last clock: 0, or why waves could not be written, as errno says it.
+EXPORT int sim_finish_waves(void *sim) { return static_cast<harness::Simulation *>(sim)->finish_waves(); }
 
 // After WITHDRAWN or CHANGED: the stream, and its words before and after.
 EXPORT int64_t sim_broken(void *sim, uint64_t *words) {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -16,7 +17,7 @@ from sim.compiler import CompilationError, find_compiler
 from sim.engine import QUIET, VCD_CLOCKS, Progress, broken_rule, hang
 from sim.ports import LevelPort, Ports, StreamPort
 from sim.stimulus import Capture, Plan, Stimulus, prepare, shaped
-from sim.waves import View, find_in, write_save_file
+from sim.waves import View, find_in, whole, write_save_file
 
 BATCH = 200_000
 """Clocks per call into the library: Ctrl-C and progress reports wait for its end."""
@@ -79,6 +80,7 @@ def load(path: Path) -> ctypes.CDLL:
         ("sim_remaining", c_int64, [c_void_p]),
         ("sim_delivered", c_int64, [c_void_p, c_int64]),
         ("sim_copy", None, [c_void_p, c_int64, POINTER(c_uint64), POINTER(c_int64)]),
+        ("sim_finish_waves", c_int, [c_void_p]),
         ("sim_broken", c_int64, [c_void_p, POINTER(c_uint64)]),
     ):
         function = getattr(library, name)
@@ -153,6 +155,7 @@ class NativeRun:
             waves=None if vcd is None else str(vcd).encode(),
             wave_clocks=vcd_clocks,
         )
+        self._vcd = vcd
         # The library copies the structures; the arrays behind them live in self.
         self._simulation = c_void_p(library.sim_open(ctypes.byref(spec)))
 
@@ -212,6 +215,11 @@ class NativeRun:
         inputs = dict(zip(names, self.accepted, strict=True))
         return Capture(outputs, output_clocks, inputs, self._library.sim_clock(self._simulation), seconds)
 
+    def finish_waves(self) -> None:
+        """``OSError`` if they could not be written."""
+        if number := self._library.sim_finish_waves(self._simulation):
+            raise OSError(number, os.strerror(number), str(self._vcd))
+
     def close(self) -> None:
         self._library.sim_close(self._simulation)
 
@@ -223,7 +231,10 @@ def run_native(
     run = NativeRun(library, plan, vcd, vcd_clocks)
     try:
         start = time.perf_counter()
-        run.run(progress)
+        try:
+            run.run(progress)
+        finally:
+            run.finish_waves()
         return run.capture(time.perf_counter() - start)
     finally:
         run.close()
@@ -266,8 +277,12 @@ class NativeEngine(ABC):
         waves = path is not None
         if waves not in self._libraries:
             self._libraries[waves] = load(self._build(waves=waves))
+        library = self._libraries[waves]
+        if path is None:
+            return run_native(library, plan, progress, None, vcd_clocks)
         try:
-            return run_native(self._libraries[waves], plan, progress, path, vcd_clocks)
+            with whole(path) as file:
+                return run_native(library, plan, progress, file, vcd_clocks)
         finally:
-            if path is not None and path.exists():
+            if path.is_file():
                 write_save_file(path, self._views, find_in(path))

@@ -23,6 +23,16 @@ from sim.waves import views
 
 _CLASS = "Vdut"
 _GENERATORS = ("verilog_engine.py", "native.py")
+_WAVES = """#include "verilated_vcd_c.h"
+#include "wave_file.h"
+struct VcdFile : VerilatedVcdFile {
+    WaveFile file;
+    bool open(const std::string &name) override { return file.open(name.c_str()); }
+    void close() override { file.close(); }
+    // Verilator would end the process if a disk is full
+    ssize_t write(const char *data, ssize_t size) override { file.write(data, size_t(size)); return size; }
+};
+"""
 _RUNTIME = ("verilated.cpp", "verilated_threads.cpp")
 
 
@@ -71,16 +81,17 @@ def describe(ports: Ports, present: set[str], *, waves: bool) -> str:
     ]
     if waves:
         lines += [
-            "VerilatedVcdC writer;",
+            "VcdFile file;",
+            "VerilatedVcdC writer{&file};",
             "Dut() { context.traceEverOn(true); top->trace(&writer, 99); }",
-            "~Dut() { writer.close(); }",
             "void waves(const char *path) { writer.open(path); }",
             "void sample(int64_t time) { writer.dump(uint64_t(time)); }",
+            "int finish() { writer.close(); return file.file.error(); }",
         ]
     else:
-        lines += ["void waves(const char *) {}", "void sample(int64_t) {}"]
+        lines += ["void waves(const char *) {}", "void sample(int64_t) {}", "int finish() { return 0; }"]
     text = '#include <memory>\n#include "Vdut.h"\n#include "verilator_ports.h"\n'
-    text += '#include "verilated_vcd_c.h"\n' if waves else ""
+    text += _WAVES if waves else ""
     text += "struct Dut {\n" + "".join(f"    {line}\n" for line in lines) + "};\n"
     return text + describe_streams(ports, member) + '#include "harness.h"\n'
 
@@ -142,7 +153,7 @@ class VerilogEngine(NativeEngine):
         return [include, include / "vltstd"]
 
     def _build(self, *, waves: bool) -> Path:
-        names = ("harness.h", "verilator_ports.h")
+        names = ["harness.h", "verilator_ports.h", *(["wave_file.h"] if waves else [])]
         return build(
             {"design.v": self._text, **{name: package_text(name) for name in names}},
             lambda folder: self._generate(folder, waves=waves),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,6 +21,7 @@ from golden.output_constructor import (
     RESPONSE_FIELD_BITS,
     RESPONSE_SHIFT,
 )
+from sim.engine import SimulationError
 from sim.ports import Ports
 
 _INSIDE = (
@@ -119,6 +122,29 @@ def save_path(vcd: Path) -> Path:
     return vcd.with_suffix(".gtkw")
 
 
+@contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """Another name for a file, which takes its own once it is whole; so it does where a simulation came to grief.
+
+    Where a link leads is replaced, not the link; what is no regular file, such as a pipe, is written to directly.
+    """
+    if path.exists() and not path.is_file():
+        yield path
+        return
+    target = Path(os.path.realpath(path))
+    temporary = target.with_name(f".{target.name}-{os.getpid()}")
+    try:
+        try:
+            yield temporary
+        except SimulationError:
+            # what led to it is what the waves are for
+            os.replace(temporary, target)
+            raise
+        os.replace(temporary, target)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
 def find_in(vcd: Path) -> Find:
     """Where the signals are in a VCD file that has them under the names of RTLIL and Verilog."""
     names: dict[str, int] = {}
@@ -151,7 +177,7 @@ def bits(width: int) -> str:
 
 def write_save_file(vcd: Path, shown: list[View], find: Find) -> None:
     """Write a save file beside a VCD file: each view is a group, and a payload's fields are traces of their own."""
-    with save_path(vcd).open("w", encoding="utf-8") as file:
+    with whole(save_path(vcd)) as temporary, temporary.open("w", encoding="utf-8") as file:
         save = GTKWSave(file)
         save.dumpfile(str(vcd.resolve()))
         save.dumpfile_size(vcd.stat().st_size)

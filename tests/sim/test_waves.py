@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -125,3 +126,38 @@ def test_save_file_shows_what_the_detector_does(tmp_path: Path) -> None:
     assert shown["records", "response"] >= set(corners.response.tolist())
     assert shown["records", "textured"] == {0, 1}
     assert shown["responses", "data"] >= set(response_map(image, parameters).ravel().tolist())
+
+
+@pytest.mark.parametrize(
+    ("kind", "full"),
+    # Amaranth's simulator cannot be put away before it has begun, which is where its waves fail
+    [("amaranth", False), *((kind, full) for kind in ("compiled", "verilog") for full in (False, True))],
+)
+def test_waves_are_whole_or_not_there(
+    engine_for: EngineFor, kind: EngineName, full: bool, tmp_path: Path
+) -> None:
+    """A link stays, and where it leads to are waves; and a full disk is told."""
+    path = tmp_path / "waves.vcd"
+    path.symlink_to("/dev/full" if full else "there.vcd")
+    stimulus = Stimulus({"i": np.zeros(3, np.uint64)})
+    engine = engine_for(kind, "slice")
+    with pytest.raises(OSError, match="No space left on device") if full else nullcontext():
+        engine.run(stimulus, vcd=path, quiet=5)
+    assert path.is_symlink()
+    assert {each.name for each in tmp_path.iterdir()} == {
+        path.name,
+        *([] if full else ["there.vcd", "waves.gtkw"]),
+    }
+    if not full:
+        assert f'[dumpfile] "{tmp_path / "there.vcd"}"' in (tmp_path / "waves.gtkw").read_text()
+
+
+@pytest.mark.parametrize("kind", ["amaranth", "compiled"])
+def test_an_interrupted_run_leaves_no_waves(engine_for: EngineFor, kind: EngineName, tmp_path: Path) -> None:
+    def interrupt(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    engine = engine_for(kind, "slice")
+    with pytest.raises(KeyboardInterrupt):
+        engine.run(Stimulus({"i": np.zeros(2000, np.uint64)}), interrupt, vcd=tmp_path / "waves.vcd", quiet=5)
+    assert list(tmp_path.iterdir()) == []
