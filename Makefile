@@ -65,7 +65,7 @@ tables: | $(SYNTH)  ## every figure of docs/comparison.md, measured anew: half a
 	$(BIN)/cornerstream tables $(ARGS)
 
 test: lint  ## ruff, mypy and all tests; options for pytest in ARGS=
-	$(BIN)/python -m pytest -n auto $(ARGS)
+	$(BIN)/python -m pytest -n auto --dist worksteal $(ARGS)
 
 lowest: $(LOWEST)/.installed  ## tests with the lowest versions that pyproject.toml allows, in an environment of their own
 	$(LOWEST_BIN)/python -m pytest -n auto $(LOWEST_TESTS) $(ARGS)

@@ -16,6 +16,8 @@ from tests.edge_mutations import EDGE_MUTATIONS
 
 ROOT = Path(__file__).resolve().parents[1]
 COPIED = ("golden", "hdl", "sim", "tests", "pyproject.toml")
+PLUGINS = ("-p", "_hypothesis_pytestplugin")
+"""The only one that these tests need: looking for others takes as long as many a test."""
 TESTS_FAILED = 1
 """pytest's exit code for that; anything else says that the tests could not be run."""
 
@@ -353,17 +355,25 @@ MUTATIONS = {
 def copy_sources(folder: Path) -> None:
     for name in COPIED:
         if (ROOT / name).is_dir():
-            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+            # with what Python has compiled, which takes longer than most of these tests; not with what it just writes
+            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("*.pyc.*"))
         else:
             shutil.copy(ROOT / name, folder / name)
+
+
+def change(path: Path, text: str) -> None:
+    """Make a source another one, whatever time it is and however long: what was compiled of it goes."""
+    path.write_text(text, encoding="utf-8")
+    for compiled in path.parent.glob(f"__pycache__/{path.stem}.*"):
+        compiled.unlink()
 
 
 def run_tests(folder: Path, files: list[str], only: str = "") -> subprocess.CompletedProcess[str]:
     """pytest in the copy, on the copy's modules."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
     # simulators are kept by what they are made of: in one place, for all of us and all copies
-    environment |= {"PYTHONPATH": str(folder)}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    environment |= {"PYTHONPATH": str(folder), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *PLUGINS]
     command += ["-k", only] * bool(only) + files
     return subprocess.run(
         command, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=300
@@ -376,7 +386,7 @@ def test_the_suite_notices(mutation: Mutation, tmp_path: Path) -> None:
     path = tmp_path / mutation.file
     text = path.read_text(encoding="utf-8")
     assert text.count(mutation.old) == 1, f"{mutation.old!r} occurs {text.count(mutation.old)} times"
-    path.write_text(text.replace(mutation.old, mutation.new), encoding="utf-8")
+    change(path, text.replace(mutation.old, mutation.new))
     done = run_tests(tmp_path, [mutation.tests], mutation.only)
     assert done.returncode == TESTS_FAILED, done.stdout + done.stderr
     # and by comparison, not because the changed source cannot be run
