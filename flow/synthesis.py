@@ -25,7 +25,7 @@ RULES = ("cells.v", "operators.v", "memory.txt", "memory.v", "arithmetic.v", "fl
 
 # every memory becomes blocks, as the exported project asks of Quartus
 MAP = """
-read_verilog -lib cells.v
+read_verilog -lib -DPORTS_ONLY cells.v
 read_rtlil design.il
 hierarchy -check -top {top}
 proc
@@ -85,7 +85,7 @@ ABC = (
 """None of these is the best for all blocks, so each block takes the best for it."""
 
 WRITE = """
-read_verilog -lib cells.v
+read_verilog -lib -DPORTS_ONLY cells.v
 read_json refined.json
 hierarchy -check -top {top}
 opt_clean

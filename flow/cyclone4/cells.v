@@ -57,12 +57,15 @@ module altsyncram (clock0, clocken0, address_a, data_a, wren_a, rden_a, q_a, add
   reg [width_a-1:0] words [0:numwords_a-1];
   reg [width_a-1:0] read_a, registered_a;
   reg [width_b-1:0] read_b, registered_b;
+  // of a library's memory too, Yosys works out every word: a second each, where nothing but the ports matters
+`ifndef PORTS_ONLY
   integer k;
   initial begin
     {read_a, registered_a, read_b, registered_b} = 0;
     for (k = 0; k < numwords_a; k = k + 1)
       words[k] = contents >> (k * width_a);
   end
+`endif
   wire input_a = clock_enable_input_a == "BYPASS" || clocken0;
   wire input_b = clock_enable_input_b == "BYPASS" || clocken0;
   always @(posedge clock0) begin
