@@ -1,13 +1,16 @@
-"""Adaptation of T1 to a target: the threshold that would have left so many corners of the frame before.
+"""Adaptation to the frame before: the D that a wanted number of its corners exceed.
+
+With a target that is the next frame's T1; with a rank it is Dref, of which T1 is a fraction.
 
 All corners of a frame that the texture filter keeps, however small their D, are counted into a histogram of D. Its
 bins are those of a floating-point number: four to the octave, twice as wide from octave to octave; below the lowest
-octave four more of that one's width. The next frame's T1 is read off it: from the largest D downwards the bins are
-added up to the one in which the target is exceeded, and within that, as if its corners lay evenly, to 1/32 of its
+octave four more of that one's width. The threshold is read off it: from the largest D downwards the bins are
+added up to the one in which the number is exceeded, and within that, as if its corners lay evenly, to 1/32 of its
 width.
 
-The histogram does not depend on T1, so there is no loop that could swing: T1 is a function of the last complete frame
-and its target alone. If the next frame has the same corners, it misses the target by no more than are in that bin.
+The histogram does not depend on T1, so there is no loop that could swing: what comes out is a function of the last
+complete frame and the number alone. If the next frame has the same corners, it misses a target by no more than are in
+that bin. ``Settings.smoothing`` averages over frames: then it follows slowly.
 """
 
 from __future__ import annotations
@@ -56,7 +59,7 @@ def histogram(responses: IntArray, parameters: Parameters) -> NDArray[np.int64]:
 
 
 def adapted_threshold(counts: NDArray[np.int64], target: int, parameters: Parameters) -> int:
-    """T1, with D > T1 of about ``target`` corners; 0 if there are no more than that.
+    """The D that about ``target`` corners exceed; 0 if there are no more than that.
 
     need is how many are wanted of the bin that is looked at, and is smaller than its count in the one where the
     descent ends. How much of that is wanted is found as a divider finds its bits.
@@ -74,3 +77,8 @@ def adapted_threshold(counts: NDArray[np.int64], target: int, parameters: Parame
             return edge - 1
         need -= count
     return 0
+
+
+def smoothed(previous: int, adapted: int, smoothing: int) -> int:
+    """What is used of ``adapted``: 1/2**smoothing of the way there, rounded down."""
+    return previous + ((adapted - previous) >> smoothing)

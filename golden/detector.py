@@ -9,7 +9,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from golden.adaptation import adapted_threshold, histogram
+from golden.adaptation import adapted_threshold, histogram, smoothed
 from golden.adaptive_threshold import adaptive_threshold
 from golden.checks import check_integer, check_type
 from golden.convolution import smooth
@@ -103,6 +103,12 @@ def peak_responses(responses: IntArray, parameters: Parameters) -> IntArray:
     return response_filter(inside) if parameters.response_filter == "binomial" else inside
 
 
+def largest_response(responses: IntArray, parameters: Parameters) -> int:
+    """The largest response of the pixels that can be reported, of which thresholds are fractions."""
+    radius = parameters.suppression
+    return int(peak_responses(responses, parameters)[radius:-radius, radius:-radius].max())
+
+
 def corner_map(responses: IntArray, t1: int, parameters: Parameters) -> NDArray[np.bool_]:
     """E of all pixels that can be reported, from all responses: (height, width) in, (height-8, width-8) out."""
     return corner_detection(
@@ -149,23 +155,56 @@ def frame_records(
 
 
 def within_budget(records: Records, settings: Settings) -> Records:
-    """Those of a frame's records that are reported: as many of the first as ``max_corners`` allows."""
-    return records[: settings.max_corners] if settings.max_corners else records
+    """Those of a frame's records that are reported: up to the last that ``max_corners`` allows to be accepted."""
+    if not settings.max_corners:
+        return records
+    accepted = np.flatnonzero(decode(records).accepted)
+    if len(accepted) < settings.max_corners:
+        return records
+    return records[: accepted[settings.max_corners - 1] + 1]
 
 
-def next_threshold(
-    image: Image, responses: IntArray, limits: Thresholds, parameters: Parameters, settings: Settings
+def next_adapted(
+    image: Image,
+    responses: IntArray,
+    limits: Thresholds,
+    parameters: Parameters,
+    settings: Settings,
+    previous: int | None = None,
 ) -> int | None:
-    """T1 that a frame asks for, so that its target would have been met; None if it has no target.
+    """The D that as many corners of a frame exceed as a target or a rank asks for; None if there is neither.
 
-    Counted are the corners that the texture filter keeps, with or without ``report_rejected`` and ``max_corners``.
+    Counted are the corners that the texture filter keeps, with or without ``report_rejected`` and ``max_corners``. For
+    a rank the paper's filter is not asked: T2, a fraction of what comes out, would make a loop of it.
+
+    Parameters
+    ----------
+    previous
+        What came out for the frame before, for ``smoothing``.
     """
-    if not settings.target_corners:
+    if not settings.wanted_corners:
         return None
     everything = limits._replace(t1=0)
-    records = frame_records(image, responses, everything, parameters, report_rejected=False)
+    all_peaks = parameters.texture == "patches" and not settings.target_corners
+    records = frame_records(image, responses, everything, parameters, report_rejected=all_peaks)
     counts = histogram(decode(records).response.astype(np.int64), parameters)
-    return adapted_threshold(counts, settings.target_corners, parameters)
+    adapted = adapted_threshold(counts, settings.wanted_corners, parameters)
+    return adapted if previous is None else smoothed(previous, adapted, settings.smoothing)
+
+
+def frame_thresholds(
+    image: Image, responses: IntArray, parameters: Parameters, settings: Settings, reference: int | None
+) -> Thresholds:
+    """Thresholds of an image by itself, with the given Dref if there is one: see :func:`detect`."""
+    maximum = largest_response(responses, parameters)
+    given = reference is not None
+    if reference is None:
+        reference = choose_reference(settings, maximum)
+    limits = thresholds(settings, reference, parameters)
+    adapted = next_adapted(image, responses, limits, parameters, settings)
+    if not given:
+        reference = choose_reference(settings, maximum, adapted)
+    return thresholds(settings, reference, parameters, adapted)
 
 
 def detect(
@@ -186,7 +225,7 @@ def detect(
     reference
         Dref. By default the constant if the settings say so, else the image's own largest D: what the
         hardware uses from the second frame on while the scene stands still, and OpenCV's ``qualityLevel``.
-        ``target_corners`` is likewise aimed at with the image's own corners.
+        ``target_corners`` and ``reference_rank`` are likewise those of the image's own corners.
 
     Raises
     ------
@@ -216,13 +255,10 @@ def detection(
     settings = chosen_settings(settings, parameters)
     image = check_image(image, parameters)
     responses = response_map(image, parameters)
-    if reference is None:
-        reference = choose_reference(settings, int(responses.max()))
-    else:
+    if reference is not None:
         check_integer("reference", reference, 0, parameters.response_max)
-    limits = thresholds(settings, int(reference), parameters)
-    adapted = next_threshold(image, responses, limits, parameters, settings)
-    limits = thresholds(settings, int(reference), parameters, adapted)
+        reference = int(reference)
+    limits = frame_thresholds(image, responses, parameters, settings, reference)
     records = frame_records(image, responses, limits, parameters, settings.report_rejected)
     return Detection(decode(within_budget(records, settings)), int(reference), limits)
 
@@ -247,7 +283,7 @@ class FrameResult(ByValue):
 class StreamModel:
     """The detector on a stream of frames: each frame's largest D is the next one's reference.
 
-    Likewise a frame's corners decide about the next one's T1, where both have a target.
+    Likewise a frame's corners decide about the next one's T1 or reference, where both have a target or a rank.
     """
 
     def __init__(self, parameters: Parameters | None = None) -> None:
@@ -267,14 +303,14 @@ class StreamModel:
         settings = chosen_settings(settings, self.parameters)
         image = check_image(image, self.parameters)
         responses = response_map(image, self.parameters)
-        maximum = int(responses.max())
-        reference = choose_reference(settings, self._previous_maximum)
+        maximum = largest_response(responses, self.parameters)
+        reference = choose_reference(settings, self._previous_maximum, self._adapted)
         limits = thresholds(settings, reference, self.parameters, self._adapted)
         every = frame_records(image, responses, limits, self.parameters, settings.report_rejected)
         records = within_budget(every, settings)
         end = encode_frame_end(FrameEnd(len(records), self._frame, maximum))
         self._previous_maximum = maximum
-        self._adapted = next_threshold(image, responses, limits, self.parameters, settings)
+        self._adapted = next_adapted(image, responses, limits, self.parameters, settings, self._adapted)
         self._frame += 1
         words = np.append(records, np.uint64(end))
         return FrameResult(words, decode(records), maximum, len(every), *limits, reference)

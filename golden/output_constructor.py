@@ -19,7 +19,7 @@ bits    end-of-frame record
 ======  =====================================================================
 23:0    number of corner records in the frame (what ``Settings.max_corners`` left out is not among them)
 39:24   frame number since reset, modulo 65536
-60:40   largest D of the frame: the next frame's reference
+60:40   largest D of the pixels at which a corner may be: the next frame's reference
 62:61   both set
 63      CUT: the frame was cut short. It then lacks corners, and bits 60:40 are 0.
         The detector by itself never cuts one; see ``golden.video``

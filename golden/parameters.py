@@ -42,7 +42,14 @@ MEAN_WEIGHT_BITS, MEAN_WEIGHT_FRACTION_BITS = 4, 3
 MAX_SUPPRESSION = WINDOW_SIZE // 2
 """Largest radius of the non-maximum suppression: the whole response window."""
 BUDGET_BITS = 16
-"""Of ``Settings.max_corners`` and ``target_corners``."""
+"""Of ``Settings.max_corners``, ``target_corners`` and ``reference_rank``."""
+SMOOTHING_BITS = 2
+"""Of ``Settings.smoothing``."""
+BUDGET_SETTINGS = {
+    **dict.fromkeys(("max_corners", "target_corners", "reference_rank"), BUDGET_BITS),
+    "smoothing": SMOOTHING_BITS,
+}
+"""Fields of ``Settings`` that only a detector built with ``budget`` has, and their widths; 0 switches each off."""
 OPTIONS = frozenset({"derivative", "response_filter", "texture", "suppression", "budget"})
 """Fields of ``Parameters`` that go without mention where they have their default."""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
@@ -105,7 +112,8 @@ class Parameters:
         around it, so that two such peaks are at least r+1 pixels apart in x or in y. Refined positions may be
         nearer to each other; ``Corners.apart`` thins them out.
     budget
-        Build ``Settings.max_corners`` and ``target_corners``.
+        Build the settings of :data:`BUDGET_SETTINGS`: ``max_corners``, ``target_corners``, ``reference_rank`` and
+        ``smoothing``.
     buffering
         ``"banked"``: N+1 block RAMs per N×N window (Sec. 4.1); ``"lean"``: N-1 rows, one row sooner.
         Changes memory and delay, never a record.
@@ -247,7 +255,8 @@ class Settings:
         down to eighths.
     reference
         Dref: the largest D of the ``"previous"`` frame, or the ``"constant"``. The first frame after
-        reset has no previous one and uses the constant.
+        reset has no previous one and uses the constant. Counted is D of the pixels at which a corner may be, smoothed
+        where the ``response_filter`` smooths it: a bright mark in the margin decides nothing.
     constant
         Dref where no previous frame counts, in units of D.
     floor
@@ -255,11 +264,20 @@ class Settings:
     report_rejected
         Also report corners that the texture filter rejects, flagged ``TEXTURED``.
     max_corners
-        Corners reported per frame, at most: the first ones in raster order. 0: no limit. Only built with ``budget``.
+        Corners reported per frame, at most: the first ones in raster order, without those that the texture filter
+        rejects; of these, none after the last. 0: no limit. Only built with ``budget``.
     target_corners
         Corners per frame to aim at, without those that the texture filter rejects: T1 becomes what would have left
         so many of the previous frame, but no less than sigma1 · floor; see ``golden.adaptation``. 0: T1 as above.
         Only built with ``budget``.
+    reference_rank
+        Dref is the D that so many corners of the previous frame exceed, in place of its largest: a few
+        bright pixels then do not decide about all others. Where a frame has fewer corners Dref is the floor.
+        Counted are all peaks, with ``texture="mean"`` those with T > 0. 0: the largest. A target comes first. Only
+        built with ``budget``.
+    smoothing
+        What a target or a rank asks for moves by 1/2**smoothing of the way from frame to frame, 0 to 3: for lamps that
+        flicker. Only built with ``budget``.
 
     Raises
     ------
@@ -275,6 +293,8 @@ class Settings:
     report_rejected: bool = False
     max_corners: int = 0
     target_corners: int = 0
+    reference_rank: int = 0
+    smoothing: int = 0
 
     def __post_init__(self) -> None:
         _check_fraction("sigma1", self.sigma1, 1)
@@ -285,8 +305,8 @@ class Settings:
         _plain_integer(self, "constant", 1, largest)
         _plain_integer(self, "floor", 1, largest)
         check_switch("report_rejected", self.report_rejected)
-        _plain_integer(self, "max_corners", 0, (1 << BUDGET_BITS) - 1)
-        _plain_integer(self, "target_corners", 0, (1 << BUDGET_BITS) - 1)
+        for field, bits in BUDGET_SETTINGS.items():
+            _plain_integer(self, field, 0, (1 << bits) - 1)
 
     @classmethod
     def default(cls, parameters: Parameters, **changes: Any) -> Settings:
@@ -312,11 +332,28 @@ class Settings:
             raise ValueError(
                 f"sigma2 is {self.sigma2!r}; allowed with texture 'mean': 0, or {smallest} to {largest}, in eighths"
             )
-        for field in ("max_corners", "target_corners"):
+        for field in BUDGET_SETTINGS:
             if not parameters.budget and (value := getattr(self, field)) != 0:
                 raise ValueError(
                     f"{field} is {value!r}; allowed: 0, since the detector is built without budget"
                 )
+
+    def fixed(self, parameters: Parameters) -> dict[str, int]:
+        """All of them as the hardware takes them, whole numbers by the names of its inputs."""
+        return {
+            "sigma1": self.sigma1_fixed,
+            "sigma2": self.sigma2_fixed,
+            "use_constant": int(self.reference == "constant"),
+            "constant": self.constant,
+            "floor": self.floor,
+            "report_rejected": int(self.report_rejected),
+            **({field: getattr(self, field) for field in BUDGET_SETTINGS} if parameters.budget else {}),
+        }
+
+    @property
+    def wanted_corners(self) -> int:
+        """How many corners the D exceed that is taken from one frame to the next; 0: none is."""
+        return self.target_corners or self.reference_rank
 
     @property
     def sigma1_fixed(self) -> int:

@@ -199,9 +199,11 @@ def reference_detect(
     image = check_image(image, parameters)
     responses = response_map(image, parameters.gradient, parameters.derivative)
     peaks = binomial(responses) if parameters.response_filter == "binomial" else responses
+    given = reference is not None
     if reference is None:
         constant = settings.reference == "constant"
-        reference = max(settings.constant if constant else float(np.nanmax(responses)), settings.floor)
+        largest = float(peaks[MARGIN:-MARGIN, MARGIN:-MARGIN].max())
+        reference = max(settings.constant if constant else largest, settings.floor)
     elif isinstance(reference, bool) or not isinstance(reference, Real):
         raise TypeError(f"reference is a {type(reference).__name__}; allowed: a number or None")
     elif not 0 <= reference <= parameters.response_max:
@@ -216,12 +218,20 @@ def reference_detect(
             return value, value > t1
         return float(peaks[y, x]), texturization(responses, x, y, parameters.patches) < t2
 
+    ranked = settings.reference_rank and settings.reference == "previous" and not given
+    if settings.target_corners or ranked:
+        everything = corner_map(peaks, 0.0, parameters.ties, parameters.suppression)
+        judged = [judge(y, x, 0.0) for y, x in np.argwhere(everything).tolist()]
+        every = parameters.texture == "patches" and not settings.target_corners
+        values = sorted(value for value, accepted in judged if accepted or every)
+        beyond = max([0.0, *values[: -settings.wanted_corners]])
+        if settings.target_corners:
+            t1 = max(settings.sigma1 * settings.floor, beyond)
+        else:
+            reference = max(beyond, settings.floor)
+            t1, t2 = settings.sigma1 * reference, settings.sigma2 * reference
     least = 0.0 if settings.target_corners else t1
     corners = corner_map(peaks, least, parameters.ties, parameters.suppression)
-    if settings.target_corners:
-        judged = [judge(y, x, least) for y, x in np.argwhere(corners).tolist()]
-        beyond = sorted(value for value, accepted in judged if accepted)[: -settings.target_corners]
-        t1 = max(settings.sigma1 * settings.floor, *beyond[-1:])
 
     found: list[tuple[float, float, float, int]] = []
     for y, x in np.argwhere(corners & (peaks > t1)).tolist():
@@ -234,6 +244,8 @@ def reference_detect(
             coefficients = surface(peaks[y - 1 : y + 2, x - 1 : x + 2], parameters.fit)
             dx, dy, flag = peak(coefficients, printed=parameters.fit == "printed")
         found.append((x + dx, y + dy, max(value, 0), flag | (Flag(0) if accepted else Flag.TEXTURED)))
-    found = found[: settings.max_corners or None]
+    ends = [end for end, (*_, flag) in enumerate(found, 1) if not flag & Flag.TEXTURED]
+    if 0 < settings.max_corners <= len(ends):
+        found = found[: ends[settings.max_corners - 1]]
     columns = np.array(found, dtype=np.float64).reshape(-1, 4).T
     return Corners(x=columns[0], y=columns[1], response=columns[2], flags=columns[3].astype(np.uint8))

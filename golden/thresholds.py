@@ -17,10 +17,15 @@ class Thresholds(NamedTuple):
     t2: int
 
 
-def choose_reference(settings: Settings, previous_maximum: int | None) -> int:
-    """Dref: the previous frame's largest D, or the constant (also after reset); never below the floor."""
+def choose_reference(settings: Settings, previous_maximum: int | None, adapted: int | None = None) -> int:
+    """Dref: the previous frame's largest D, or the constant (also after reset); never below the floor.
+
+    With a rank and without a target it is ``adapted``; None: no frame before has been counted.
+    """
     if settings.reference == "constant" or previous_maximum is None:
         return max(settings.constant, settings.floor)
+    if settings.reference_rank and not settings.target_corners and adapted is not None:
+        return max(adapted, settings.floor)
     return max(previous_maximum, settings.floor)
 
 

@@ -29,7 +29,14 @@ import numpy as np
 
 from golden.checks import check_integer, check_type
 from golden.corners import ByValue
-from golden.detector import frame_records, next_threshold, pixel_dtype, response_map, within_budget
+from golden.detector import (
+    frame_records,
+    largest_response,
+    next_adapted,
+    pixel_dtype,
+    response_map,
+    within_budget,
+)
 from golden.output_constructor import COUNT_BITS, FrameEnd, Records, encode_frame_end
 from golden.parameters import SUPPORT, Parameters, Settings
 from golden.preprocessing import Image
@@ -176,7 +183,7 @@ class VideoModel:
 
     @property
     def adapted(self) -> int | None:
-        """T1 for the next frame, if it has a target; None if the last complete one had none."""
+        """T1 or Dref for the next frame, if it has a target or a rank; None if the last complete one had neither."""
         return self._adapted
 
     def feed(self, beats: Iterable[tuple[int, bool, bool]], video: VideoSettings) -> list[Packet]:
@@ -262,7 +269,7 @@ class VideoModel:
         responses = response_map(image, self.parameters)
         limits = self._limits(now)
         records = frame_records(image, responses, limits, self.parameters, now.settings.report_rejected)
-        maximum = int(responses.max())
+        maximum = largest_response(responses, self.parameters)
         kept = within_budget(records, now.settings)[: now.max_records]
         self.dropped_records += len(records) - len(kept)
         if len(kept) < len(records):
@@ -271,7 +278,7 @@ class VideoModel:
         end = encode_frame_end(FrameEnd(len(kept), self._frame, maximum))
         packet = Packet(np.append(kept, np.uint64(end)), self._frame, False, len(records), image)
         self._maximum = maximum
-        self._adapted = next_threshold(image, responses, limits, self.parameters, now.settings)
+        self._adapted = next_adapted(image, responses, limits, self.parameters, now.settings, self._adapted)
         self._end()
         return packet
 
@@ -305,7 +312,7 @@ class VideoModel:
         return image.reshape(now.height, now.width)
 
     def _limits(self, now: VideoSettings) -> Thresholds:
-        reference = choose_reference(now.settings, self._maximum)
+        reference = choose_reference(now.settings, self._maximum, self._adapted)
         return thresholds(now.settings, reference, self.parameters, self._adapted)
 
 

@@ -1,28 +1,34 @@
-"""Adaptation of T1 to a target (``golden.adaptation``): a histogram of all corners, read after each frame."""
+"""Adaptation to the frame before (``golden.adaptation``): a histogram of all corners, read after each frame."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Mux, Signal, Value
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value, signed
 from amaranth.lib import data, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 from golden.adaptation import STEPS, bins, octaves
-from golden.parameters import BUDGET_BITS, Parameters
+from golden.parameters import BUDGET_BITS, SMOOTHING_BITS, Parameters
 
+SMOOTHING_CLOCKS = 2
 EVENT_CLOCKS = 5
 """A corner's way: 1 its D, 2 its bin, 3 its count out of the memory, 4 and 5 behind a register, and back."""
 
 
 def adapted_layout(parameters: Parameters) -> data.StructLayout:
-    """T1 for the next frame, and whether there is one: only behind a complete frame with a target."""
+    """T1 or Dref for the next frame, and whether there is one: only behind a complete frame with a target or a rank."""
     return data.StructLayout({"t1": parameters.response_bits, "known": 1})
 
 
+def aim_layout() -> data.StructLayout:
+    """What a frame is counted for: ``Settings.wanted_corners``, with a rank all its peaks, and ``smoothing``."""
+    return data.StructLayout({"corners": BUDGET_BITS, "rank": 1, "smoothing": SMOOTHING_BITS})
+
+
 class Adaptation(wiring.Component):
-    """Counts a frame's corners by their D, and works T1 out for the next one.
+    """Counts a frame's corners by their D, and works out which D the number aimed at exceed.
 
     One block RAM holds the histogram. The corners of a row are two clocks apart at least; where the second falls
     into the bin of the first, it takes the sum that is on its way back. After a frame's last corner the bins are read
@@ -41,8 +47,9 @@ class Adaptation(wiring.Component):
     -------
     corner, strength
         In this clock there is a corner to count, and its D. Not in two clocks in a row, and not while busy.
-    last, target
-        In this clock the frame ends; it is to be read for the target of the next clock. A corner may come along.
+    last, aim
+        In this clock the frame ends; it is to be read for what is aimed at in the next clock, ``aim_layout()``, whose
+        smoothing stays until the frame after has begun. A corner may come along.
     kept
         ``adapted_layout(parameters)``: what is known of frames before the last reset.
     busy
@@ -58,7 +65,7 @@ class Adaptation(wiring.Component):
                 "corner": In(1),
                 "strength": In(parameters.response_bits),
                 "last": In(1),
-                "target": In(BUDGET_BITS),
+                "aim": In(aim_layout()),
                 "kept": In(adapted_layout(parameters)),
                 "busy": Out(1, init=1),
                 "adapted": Out(adapted_layout(parameters)),
@@ -68,7 +75,7 @@ class Adaptation(wiring.Component):
     @property
     def clocks(self) -> int:
         """Clocks that ``busy`` lasts after a frame's last corner."""
-        return EVENT_CLOCKS + bins(self._parameters) + 4 + STEPS
+        return EVENT_CLOCKS + bins(self._parameters) + 4 + STEPS + SMOOTHING_CLOCKS
 
     @property
     def memory_bits(self) -> int:
@@ -77,6 +84,7 @@ class Adaptation(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         fresh, aimed, scanning = Signal(init=1), Signal(), Signal()
+        smoothing = Signal(SMOOTHING_BITS)
         time = Signal(range(self.clocks))
         done = time == self.clocks - 1
         # registers, because the last window comes out of block RAM
@@ -84,14 +92,14 @@ class Adaptation(wiring.Component):
         with m.If(self.last):
             m.d.sync += self.busy.eq(1)
         with m.If(ended):
-            m.d.sync += aimed.eq(self.target != 0)
+            m.d.sync += [aimed.eq(self.aim.corners != 0), smoothing.eq(self.aim.smoothing)]
         with m.If(self.busy):
             m.d.sync += time.eq(Mux(done, 0, time + 1))
         found, below = Signal(), Signal(self._parameters.response_bits)
+        now = Cat(self._smoothed(m, Mux(found, below, 0), smoothing), aimed)
         with m.If(self.busy & done):
             m.d.sync += [self.busy.eq(0), fresh.eq(0)]
-            read_off = Cat(Mux(found, below, 0), aimed)
-            m.d.sync += Value.cast(self.adapted).eq(Mux(fresh, Value.cast(self.kept), read_off))
+            m.d.sync += Value.cast(self.adapted).eq(Mux(fresh, Value.cast(self.kept), now))
 
         place = Signal(range(bins(self._parameters)), init=bins(self._parameters) - 1)
         # so that the first bin is read a clock after the last corner has gone back
@@ -104,6 +112,18 @@ class Adaptation(wiring.Component):
         count, read = self._histogram(m, scanning, place)
         self._descend(m, ended, count, read, found, below)
         return m
+
+    def _smoothed(self, m: Module, read_off: Value, smoothing: Signal) -> Signal:
+        """A part of the way from what was adapted for the frame before, ``SMOOTHING_CLOCKS`` later."""
+        way, result = (
+            Signal(signed(self._parameters.response_bits + 1)),
+            Signal(self._parameters.response_bits),
+        )
+        m.d.sync += [
+            way.eq(read_off - self.adapted.t1),
+            result.eq(self.adapted.t1 + (way >> Mux(self.adapted.known, smoothing, 0))),
+        ]
+        return result
 
     def _bin(self, response: Value) -> Value:
         """The number of a response's bin: exponent and two bits of mantissa, but for the smallest."""
@@ -184,7 +204,7 @@ class Adaptation(wiring.Component):
             m.d.sync += [
                 found.eq(0),
                 steps.eq(0),
-                need.eq(self.target),
+                need.eq(self.aim.corners),
                 below.eq((1 << p.response_bits) - 1),
                 width.eq(1 << (p.response_bits - 3)),
                 place.eq(bins(p) - 1),

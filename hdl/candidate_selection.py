@@ -22,7 +22,8 @@ PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
 def note_layout(parameters: Parameters) -> data.StructLayout:
     """What a record needs besides the offset; ``end`` marks the end of a frame instead of a corner.
 
-    With ``budget`` x and y of an end are, side by side, the number of corners that the frame had.
+    The response of an end is the frame's largest. With ``budget`` its x and y are, side by side, the number of
+    corners that the frame had.
     """
     return data.StructLayout(
         {
@@ -54,7 +55,11 @@ class CandidateSelection(wiring.Component):
     in queues, whose filling alone decides, in a register, whether the blocks before may move: these are always in
     step with each other.
 
-    With ``budget`` no more than ``max_corners`` are picked of a frame, unless that is 0; the others are counted.
+    A frame's largest response is that of the window centres, so that no pixel decides about thresholds at which
+    there can be no corner.
+
+    With ``budget`` none is picked of a frame after ``max_corners`` that the texture filter keeps, unless that is 0;
+    all are counted.
 
     Members
     -------
@@ -69,6 +74,10 @@ class CandidateSelection(wiring.Component):
         Stream of ``derivatives_layout(parameters)``.
     note
         Stream of ``note_layout(parameters)``.
+    last
+        In this clock the frame's last window leaves.
+    largest
+        Largest response so far: of the frame before, from the clock after its last window until the next one's first.
     mark
         With ``video_out`` only: stream of ``mark_layout()``, one for every window.
     max_corners
@@ -88,6 +97,8 @@ class CandidateSelection(wiring.Component):
                 "surfaces": In(stream.Signature(surface)),
                 "candidate": Out(stream.Signature(surface)),
                 "note": Out(stream.Signature(note_layout(parameters))),
+                "last": Out(1),
+                "largest": Out(parameters.response_bits),
                 **({"mark": Out(stream.Signature(mark_layout()))} if parameters.video_out else {}),
                 **({"max_corners": In(BUDGET_BITS)} if parameters.budget else {}),
             }
@@ -108,7 +119,9 @@ class CandidateSelection(wiring.Component):
         m.d.comb += [
             *(source.ready.eq(room) for source in (self.corners, self.textures, self.surfaces)),
             step.eq(self.corners.valid & room),
+            self.last.eq(step & self.corners.payload.eof),
         ]
+        self._largest(m, step)
         corner, texture = self.corners.payload.data, self.textures.payload.data
         x, y = Signal(PIXEL_COORDINATE_BITS, init=MARGIN), Signal(PIXEL_COORDINATE_BITS, init=MARGIN)
         with m.If(step):
@@ -118,9 +131,10 @@ class CandidateSelection(wiring.Component):
             with m.If(self.corners.payload.eof):
                 m.d.sync += y.eq(MARGIN)
         # the next window is at least a row's first eight columns away: the end never meets a candidate
-        m.d.sync += ending.eq(step & self.corners.payload.eof)
+        m.d.sync += ending.eq(self.last)
 
         picked, wanted, place = Signal(), step & corner.corner & texture.keep, (x, y)
+        response = texture.response if p.texture == "mean" else corner.response
         if allowed is not None and place_of_end is not None:
             wanted &= allowed
             place = tuple(Mux(ending, *choice) for choice in zip(place_of_end, place, strict=True))
@@ -131,23 +145,33 @@ class CandidateSelection(wiring.Component):
             notes.i.valid.eq(picked | ending),
             notes.i.payload.x.eq(place[0]),
             notes.i.payload.y.eq(place[1]),
-            notes.i.payload.response.eq(texture.response if p.texture == "mean" else corner.response),
+            notes.i.payload.response.eq(Mux(ending, self.largest, response)),
             notes.i.payload.textured.eq(texture.textured),
             notes.i.payload.end.eq(ending),
         ]
         return m
+
+    def _largest(self, m: Module, step: Signal) -> None:
+        first, response = Signal(init=1), self.corners.payload.data.response
+        with m.If(step):
+            m.d.sync += first.eq(self.corners.payload.eof)
+            with m.If(first | (response > self.largest)):
+                m.d.sync += self.largest.eq(response)
 
     def _budget(self, m: Module, step: Signal, ending: Signal) -> tuple[Signal, tuple[Value, Value]]:
         """Whether more may be picked of the frame, and how many could have been so far, as x and y of its end.
 
         Two clocks late, as no two corners come in two clocks in a row.
         """
-        allowed, found = Signal(), Signal(COUNT_BITS)
-        m.d.sync += allowed.eq((self.max_corners == 0) | (found < self.max_corners))
+        allowed, found, accepted = Signal(), Signal(COUNT_BITS), Signal(BUDGET_BITS)
+        texture = self.textures.payload.data
+        m.d.sync += allowed.eq((self.max_corners == 0) | (accepted != self.max_corners))
         with m.If(ending):
-            m.d.sync += found.eq(0)
-        with m.Elif(step & self.corners.payload.data.corner & self.textures.payload.data.keep):
+            m.d.sync += [found.eq(0), accepted.eq(0)]
+        with m.Elif(step & self.corners.payload.data.corner & texture.keep):
             m.d.sync += found.eq(found + 1)
+            with m.If(~texture.textured & (accepted != self.max_corners)):
+                m.d.sync += accepted.eq(accepted + 1)
         return allowed, (found[:PIXEL_COORDINATE_BITS], found[PIXEL_COORDINATE_BITS:])
 
     def _marks(self, m: Module, step: Signal, allowed: Signal | None) -> Value:

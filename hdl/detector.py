@@ -72,7 +72,7 @@ class Detector(wiring.Component):
         Thresholds in units of 2**-16 (``Settings.sigma1_fixed``, ``sigma2_fixed``).
     use_constant, constant, floor, report_rejected
         As in ``golden.Settings``; use_constant is its ``reference="constant"``.
-    max_corners, target_corners
+    max_corners, target_corners, reference_rank, smoothing
         With ``budget`` only: as in ``golden.Settings``.
     o
         Stream of ``record_layout()``: the frame's corners in raster order, then its end-of-frame record.
@@ -223,8 +223,8 @@ class Detector(wiring.Component):
         """From responses to candidates."""
         for name, block in self._windows.other_blocks.items():
             m.submodules[name.replace(" ", "_")] = block
-        last = None if self._adaptation is None else self._adaptation.last
-        self._windows.connect(m, self._response_buffer.o, self._thresholds.thresholds, self._candidates, last)
+        self._windows.connect(m, self._response_buffer.o, self._thresholds.thresholds, self._candidates)
+        m.d.comb += self._thresholds.largest.eq(self._candidates.largest)
         if self._adaptation is not None:
             self._budget(m, self._adaptation)
 
@@ -238,12 +238,12 @@ class Detector(wiring.Component):
             # of T, which is what counts; whether it is above T1 does not
             response, counted = texture.response, texture.response.any()
         else:
-            response, counted = corners.payload.data.response, ~texture.textured
+            response, counted = corners.payload.data.response, ~texture.textured | limits.payload.aim.rank
         m.d.comb += [
             adaptation.corner.eq(step & corners.payload.data.peak & counted),
             adaptation.strength.eq(response),
-            adaptation.last.eq(step & corners.payload.eof),
-            adaptation.target.eq(limits.payload.target_corners),
+            adaptation.last.eq(self._candidates.last),
+            adaptation.aim.eq(limits.payload.aim),
             adaptation.kept.eq(self.kept),
             self._thresholds.adapted.eq(adaptation.adapted),
             self._thresholds.adapting.eq(adaptation.busy),
@@ -262,5 +262,4 @@ class Detector(wiring.Component):
         wiring.connect(m, self._subpixel.o, constructor.offset)
         if self._parameters.video_out:
             wiring.connect(m, self._candidates.mark, wiring.flipped(self.mark))
-        wiring.connect(m, self._thresholds.maximum, constructor.maximum)
         wiring.connect(m, constructor.o, wiring.flipped(self.o))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Mux, Signal, unsigned
+from amaranth.hdl import C, Cat, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -28,8 +28,6 @@ class OutputConstructor(wiring.Component):
         Stream of ``note_layout(parameters)``.
     offset
         Stream of ``offset_layout(parameters.fit)``, one for each note but an end.
-    maximum
-        Stream of each frame's largest response, taken at its end.
     o
         Stream of ``record_layout()``.
     found
@@ -44,7 +42,6 @@ class OutputConstructor(wiring.Component):
             {
                 "note": In(stream.Signature(note_layout(parameters))),
                 "offset": In(stream.Signature(offset_layout(parameters.fit))),
-                "maximum": In(stream.Signature(unsigned(parameters.response_bits))),
                 "o": Out(stream.Signature(record_layout())),
                 **({"found": Out(COUNT_BITS)} if parameters.budget else {}),
             }
@@ -54,13 +51,12 @@ class OutputConstructor(wiring.Component):
         m = Module()
         note, offset = self.note.payload, self.offset.payload
         step, free = Signal(), Signal()
-        complete = self.note.valid & Mux(note.end, self.maximum.valid, self.offset.valid)
+        complete = self.note.valid & (note.end | self.offset.valid)
         m.d.comb += [
             free.eq(~self.o.valid | self.o.ready),
             step.eq(complete & free),
             self.note.ready.eq(step),
             self.offset.ready.eq(step & ~note.end),
-            self.maximum.ready.eq(step & note.end),
         ]
 
         count, frame = Signal(COUNT_BITS), Signal(FRAME_BITS)
@@ -73,7 +69,7 @@ class OutputConstructor(wiring.Component):
         y = (Cat(C(0, OFFSET_BITS), note.y) + offset.dy)[:COORDINATE_BITS]
         unused = C(0, RESPONSE_FIELD_BITS - self._parameters.response_bits)
         corner = Cat(x, y, note.response, unused, offset.clamped, offset.not_maximum, note.textured)
-        end = Cat(count, frame, self.maximum.payload, unused, C(END_OF_FRAME, 3))
+        end = Cat(count, frame, note.response, unused, C(END_OF_FRAME, 3))
         with m.If(free):
             m.d.sync += self.o.valid.eq(complete)
         with m.If(step):

@@ -10,22 +10,17 @@ from amaranth.lib.wiring import In, Out
 
 from golden.parameters import (
     BUDGET_BITS,
+    BUDGET_SETTINGS,
     MEAN_WEIGHT_BITS,
     MEAN_WEIGHT_FRACTION_BITS,
     SIGMA2_INTEGER_BITS,
     SIGMA_BITS,
     Parameters,
 )
-from hdl.adaptation import adapted_layout
+from hdl.adaptation import adapted_layout, aim_layout
 from hdl.stream import Beat
 
 SIGMA2_BITS = SIGMA_BITS + SIGMA2_INTEGER_BITS
-
-
-def budget_fields(parameters: Parameters) -> dict[str, int]:
-    """What ``budget`` adds to settings and thresholds alike."""
-    fields = ("max_corners", "target_corners")
-    return dict.fromkeys(fields, BUDGET_BITS) if parameters.budget else {}
 
 
 def settings_layout(parameters: Parameters) -> data.StructLayout:
@@ -38,20 +33,20 @@ def settings_layout(parameters: Parameters) -> data.StructLayout:
             "constant": parameters.response_bits,
             "floor": parameters.response_bits,
             "report_rejected": 1,
-            **budget_fields(parameters),
+            **(BUDGET_SETTINGS if parameters.budget else {}),
         }
     )
 
 
 def thresholds_layout(parameters: Parameters) -> data.StructLayout:
-    """T1 in units of D, T2 in units of tau, or the weight of the local level of D."""
+    """T1 in units of D, T2 in units of tau, or the weight of the local level of D; with ``budget`` its settings."""
     t2_bits = parameters.response_bits + SIGMA2_INTEGER_BITS + (parameters.pixels_per_region - 1).bit_length()
     return data.StructLayout(
         {
             "t1": parameters.response_bits,
             "t2": MEAN_WEIGHT_BITS if parameters.texture == "mean" else t2_bits,
             "report_rejected": 1,
-            **budget_fields(parameters),
+            **({"max_corners": BUDGET_BITS, "aim": aim_layout()} if parameters.budget else {}),
         }
     )
 
@@ -61,22 +56,23 @@ class Thresholds(wiring.Component):
 
     With ``texture="mean"`` T2 is sigma2 itself, as ``golden.Settings.mean_weight``.
 
-    Watches the responses on their way from ``i`` to ``o`` for the largest. With a frame's first response it
-    takes that frame's settings and multiplies, one bit of sigma per clock, long before the frame's first window.
+    With a frame's first response, on its way from ``i`` to ``o``, it takes that frame's settings and multiplies, one bit
+    of sigma per clock, long before the frame's first window.
 
-    With ``budget``, a target, and T1 adapted to the frame before, T1 is the larger of that and sigma1 · floor.
+    With ``budget``, and what a target or a rank asks for known of the frame before, that is T1, but at least
+    sigma1 · floor; or Dref, but at least the floor.
 
     Members
     -------
     i, o
         Stream of ``Beat(unsigned(response_bits))``, passed through in the same clock. A first beat waits for
-        settings, and until the previous frame's thresholds have been taken; a last one, until its maximum can be.
+        settings, and until the previous frame's thresholds have been taken.
     settings
         Stream of ``settings_layout(parameters)``, one per frame; taken when the multiplication starts.
     thresholds
         Stream of ``thresholds_layout(parameters)``, one per frame; take it when the frame is done with.
-    maximum
-        Stream of the largest response, one per frame, after its last beat.
+    largest
+        Of the frame before, from the clock after its thresholds have been taken until the next one's are.
     adapted, adapting
         With ``budget`` only: ``adapted_layout(parameters)``, and that it is not there yet: a first beat waits for it.
     """
@@ -92,7 +88,7 @@ class Thresholds(wiring.Component):
                 "o": Out(responses),
                 "settings": In(stream.Signature(settings_layout(parameters))),
                 "thresholds": Out(stream.Signature(thresholds_layout(parameters))),
-                "maximum": Out(stream.Signature(unsigned(parameters.response_bits))),
+                "largest": In(parameters.response_bits),
                 **(
                     {"adapted": In(adapted_layout(parameters)), "adapting": In(1)}
                     if parameters.budget
@@ -108,9 +104,6 @@ class Thresholds(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        bits = self._parameters.response_bits
-        response, eof = self.i.payload.data, self.i.payload.eof
-
         first = Signal(init=1)
         may_start, start, step, pass_on = Signal(), Signal(), Signal(), Signal()
         busy = Signal()
@@ -118,7 +111,7 @@ class Thresholds(wiring.Component):
         free = self.settings.valid & ~busy & ~self.thresholds.valid & ~start
         m.d.sync += may_start.eq(free & ~self.adapting if self._parameters.budget else free)
         m.d.comb += [
-            pass_on.eq((~first | may_start) & ~(eof & self.maximum.valid)),
+            pass_on.eq(~first | may_start),
             self.o.payload.eq(self.i.payload),
             self.o.valid.eq(self.i.valid & pass_on),
             self.i.ready.eq(self.o.ready & pass_on),
@@ -126,26 +119,16 @@ class Thresholds(wiring.Component):
             start.eq(step & first),
         ]
 
-        # largest response so far: of the frame before, until the next one begins
-        largest, now_largest, any_previous = Signal(bits), Signal(bits), Signal()
-        m.d.comb += now_largest.eq(Mux(first | (response > largest), response, largest))
-        with m.If(self.maximum.ready):
-            m.d.sync += self.maximum.valid.eq(0)
+        any_previous = Signal()
         with m.If(step):
-            m.d.sync += [largest.eq(now_largest), first.eq(eof)]
-            with m.If(eof):
-                m.d.sync += [any_previous.eq(1), self.maximum.valid.eq(1)]
-        # loaded in every clock up to that of the last response, as the reference is up to that of the first: when
-        # these come is known late in a clock
-        with m.If(~self.maximum.valid):
-            m.d.sync += self.maximum.payload.eq(now_largest)
+            m.d.sync += first.eq(self.i.payload.eof)
+            with m.If(self.i.payload.eof):
+                m.d.sync += any_previous.eq(1)
 
-        self._multiply(m, start=start, busy=busy, previous=largest, any_previous=any_previous)
+        self._multiply(m, start=start, busy=busy, any_previous=any_previous)
         return m
 
-    def _multiply(
-        self, m: Module, *, start: Any, busy: Signal, previous: Signal, any_previous: Signal
-    ) -> None:
+    def _multiply(self, m: Module, *, start: Any, busy: Signal, any_previous: Signal) -> None:
         bits = self._parameters.response_bits
         # they stay until the multiplication starts
         settings, report_rejected = self.settings.payload, Signal()
@@ -170,7 +153,12 @@ class Thresholds(wiring.Component):
         m.d.sync += [chosen.eq(start), referred.eq(chosen)]
         m.d.comb += self.settings.ready.eq(referred)
         with m.If(~busy):
-            candidate = Mux(settings.use_constant | ~any_previous, settings.constant, previous)
+            candidate = Mux(settings.use_constant | ~any_previous, settings.constant, self.largest)
+            if self._parameters.budget:
+                ranked = (
+                    ~settings.use_constant & (settings.target_corners == 0) & (settings.reference_rank != 0)
+                )
+                candidate = Mux(ranked & self.adapted.known, self.adapted.t1, candidate)
             m.d.sync += [reference.eq(candidate), busy.eq(start)]
         with m.If(chosen & (reference < settings.floor)):
             m.d.sync += reference.eq(settings.floor)
@@ -207,11 +195,18 @@ class Thresholds(wiring.Component):
         follows, finished = Signal(), Signal()
         factor1, t1 = Signal.like(reference, name="factor1"), Signal.like(reference, name="t1")
         follow = self.adapted.known & (settings.target_corners != 0)
-        kept = {name: Signal(bits, name=name) for name, bits in budget_fields(self._parameters).items()}
+        max_corners, aim = Signal(BUDGET_BITS), Signal(aim_layout())
+        rank = settings.target_corners == 0
         with m.If(referred):
-            m.d.sync += [follows.eq(follow), factor1.eq(Mux(follow, settings.floor, reference))]
-            m.d.sync += [register.eq(settings[name]) for name, register in kept.items()]
-        m.d.comb += [limits[name].eq(register) for name, register in kept.items()]
+            m.d.sync += [
+                follows.eq(follow),
+                factor1.eq(Mux(follow, settings.floor, reference)),
+                max_corners.eq(settings.max_corners),
+                aim.corners.eq(Mux(rank, settings.reference_rank, settings.target_corners)),
+                aim.rank.eq(rank),
+                aim.smoothing.eq(settings.smoothing),
+            ]
+        m.d.comb += [limits.max_corners.eq(max_corners), limits.aim.eq(aim)]
         # a clock more, so that what follows sees a register; `adapted` stays up to the frame's end
         m.d.sync += [
             finished.eq(0),

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Value
+from amaranth.hdl import Cat, Module
 from amaranth.lib import data, wiring
 
 from golden.parameters import WINDOW_SIZE, Parameters
@@ -87,9 +87,7 @@ class WindowChain:
             **late,
         }
 
-    def connect(
-        self, m: Module, columns: Any, limits: Any, candidates: CandidateSelection, last: Value | None
-    ) -> None:
+    def connect(self, m: Module, columns: Any, limits: Any, candidates: CandidateSelection) -> None:
         """Into the detector's module.
 
         Parameters
@@ -97,9 +95,9 @@ class WindowChain:
         columns
             Output of the response buffer: ``Columns`` of nine responses, or of nine {"response", "pixel"}.
         limits
-            The thresholds' stream. They stay until the last window of their frame has left, or until ``last`` if that
-            is given. They never come too late: they are ready soon after a frame's first response, and its first
-            column needs eight rows of them.
+            The thresholds' stream. They stay until the last window of their frame leaves, when its largest response is
+            known. They never come too late: they are ready soon after a frame's first response, and its first column
+            needs eight rows of them.
         candidates
             Where corners, textures and equations go.
         """
@@ -114,7 +112,7 @@ class WindowChain:
             equations.i.valid.eq(columns.valid if self._by_gradients else centre_rows.o.valid),
             corners.t1.valid.eq(1),
             texture.thresholds.valid.eq(1),
-            limits.ready.eq(texture.thresholds.ready if last is None else last),
+            limits.ready.eq(candidates.last),
             *self._payloads(columns.payload),
             corners.t1.payload.eq(limits.payload.t1),
             texture.thresholds.payload.eq(limits.payload),

@@ -104,18 +104,7 @@ def describe_record(word: int | None) -> str:
 
 def _levels(frame: Frame, parameters: Parameters) -> dict[str, int]:
     image, settings = frame
-    budget = {"max_corners": settings.max_corners, "target_corners": settings.target_corners}
-    return {
-        "width": image.shape[1],
-        "height": image.shape[0],
-        "sigma1": settings.sigma1_fixed,
-        "sigma2": settings.sigma2_fixed,
-        "use_constant": int(settings.reference == "constant"),
-        "constant": settings.constant,
-        "floor": settings.floor,
-        "report_rejected": int(settings.report_rejected),
-        **(budget if parameters.budget else {}),
-    }
+    return {"width": image.shape[1], "height": image.shape[0], **settings.fixed(parameters)}
 
 
 def frame_stimulus(frames: Sequence[Frame], parameters: Parameters, stalls: Stalls) -> Stimulus:

@@ -11,6 +11,7 @@ from golden.parameters import (
     PROFILES,
     SIGMA2_INTEGER_BITS,
     SIGMA_BITS,
+    SMOOTHING_BITS,
     SUPPORT,
     Parameters,
     Settings,
@@ -168,7 +169,7 @@ def _options(p: Parameters) -> tuple[Field, ...]:
     if p.suppression > 1:
         options.append(Field("suppression", 28, 3, "Radius of suppression; 0 stands for 1.", p.suppression))
     if p.budget:
-        options.append(Field("budget", 31, 1, "BUDGET and ADAPTED are there.", 1))
+        options.append(Field("budget", 31, 1, "BUDGET, REFERENCE and ADAPTED are there.", 1))
     return tuple(options)
 
 
@@ -317,7 +318,14 @@ def _results() -> tuple[Register, ...]:
             0x50,
             "ro",
             "Of the last complete frame: the next one's reference.",
-            (Field("maximum", 0, RESPONSE_FIELD_BITS, "Largest response D."),),
+            (
+                Field(
+                    "maximum",
+                    0,
+                    RESPONSE_FIELD_BITS,
+                    "Largest response of the pixels at which a corner may be.",
+                ),
+            ),
         ),
     )
 
@@ -330,7 +338,7 @@ def _budget(p: Parameters) -> tuple[Register, ...]:
             "BUDGET",
             0x38,
             "rw",
-            "Corners per frame. Of more than there may be, CORNERS and DROPPED count the rest, too.",
+            "Corners per frame, without rejected ones. Of more than there may be, CORNERS and DROPPED count the rest, too.",
             (
                 Field("max_corners", 0, BUDGET_BITS, "Most that are reported, the first ones; 0: no limit."),
                 Field(
@@ -339,13 +347,38 @@ def _budget(p: Parameters) -> tuple[Register, ...]:
             ),
         ),
         Register(
+            "REFERENCE",
+            0x3C,
+            "rw",
+            "What thresholds are fractions of, where it is neither CONSTANT nor the largest response.",
+            (
+                Field(
+                    "reference_rank",
+                    0,
+                    BUDGET_BITS,
+                    "The response that so many corners of the last frame exceed; 0: the largest. A target comes first.",
+                ),
+                Field(
+                    "smoothing",
+                    BUDGET_BITS,
+                    SMOOTHING_BITS,
+                    "What a rank or a target asks for moves by 1/2**smoothing of the way from frame to frame.",
+                ),
+            ),
+        ),
+        Register(
             "ADAPTED",
             0x54,
             "ro",
-            "T1 that the last complete frame's target asks for in the next one.",
+            "What the last complete frame's target or rank asks for in the next one.",
             (
-                Field("adapted_t1", 0, p.response_bits, "In units of D; SIGMA1 times FLOOR is its least."),
-                Field("adapted", 31, 1, "There was such a frame, and it had a target."),
+                Field(
+                    "adapted_t1",
+                    0,
+                    p.response_bits,
+                    "In units of D: with a target T1, but at least SIGMA1 times FLOOR; with a rank the reference.",
+                ),
+                Field("adapted", 31, 1, "There was such a frame, and it had a target or a rank."),
             ),
         ),
     )

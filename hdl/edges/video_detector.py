@@ -43,18 +43,12 @@ def control_layout(parameters: Parameters) -> data.StructLayout:
 
 def initial_control(parameters: Parameters) -> dict[str, Any]:
     """After reset: the largest frame, usual thresholds, enabled only where it is built to start by itself."""
-    settings = Settings.default(parameters)
     return {
         "enable": int(parameters.autostart),
         "width": parameters.max_width,
         "height": parameters.max_height,
         "max_records": NO_LIMIT,
-        "settings": {
-            "sigma1": settings.sigma1_fixed,
-            "sigma2": settings.sigma2_fixed,
-            "constant": settings.constant,
-            "floor": settings.floor,
-        },
+        "settings": Settings.default(parameters).fixed(parameters),
     }
 
 

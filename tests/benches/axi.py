@@ -144,33 +144,20 @@ class Bench:
 
     async def configure(self, video: VideoSettings) -> None:
         """Sets everything that can be; what was set before needs no second write."""
-        settings = video.settings
-        now = {
-            "SIZE": {"width": video.width, "height": video.height},
-            "SIGMA1": {"sigma1": settings.sigma1_fixed},
-            "SIGMA2": {"sigma2": settings.sigma2_fixed},
-            "CONSTANT": {"constant": settings.constant},
-            "FLOOR": {"floor": settings.floor},
-            "MAX_RECORDS": {"max_records": video.max_records},
-            **(
-                {
-                    "BUDGET": {
-                        "max_corners": settings.max_corners,
-                        "target_corners": settings.target_corners,
-                    }
-                }
-                if self.parameters.budget
-                else {}
-            ),
-            "CONTROL": {
-                "enable": video.enabled,
-                "ignore_eol": video.ignore_eol,
-                "use_constant": settings.reference == "constant",
-                "report_rejected": settings.report_rejected,
-            },
+        values = {
+            "width": video.width,
+            "height": video.height,
+            "max_records": video.max_records,
+            "enable": int(video.enabled),
+            "ignore_eol": int(video.ignore_eol),
+            **video.settings.fixed(self.parameters),
         }
-        for name, values in now.items():
-            await self.write_fields(name, **values)
+        # CONTROL last, for it starts
+        names = ["SIZE", "SIGMA1", "SIGMA2", "CONSTANT", "FLOOR", "MAX_RECORDS"]
+        names += [name for name in ("BUDGET", "REFERENCE") if name in self.map]
+        for name in (*names, "CONTROL"):
+            fields = (field.name for field in self.map[name].fields)
+            await self.write_fields(name, **{field: values[field] for field in fields if field in values})
         self.video = video
 
     async def enable(self, enabled: bool) -> None:

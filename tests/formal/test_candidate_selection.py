@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from amaranth.hdl import Assert, Assume, Cat, Cover, Elaboratable, Module, Mux, Signal
+from amaranth.lib import data
 
 import hdl.candidate_selection
 from golden.parameters import MARGIN, Parameters
@@ -75,7 +76,14 @@ class SelectionChecker(Elaboratable):
             found=dut.candidate.payload,
             capacity=parameters.queue_depth,
         )
-        # of an end's note nothing but the mark counts
+        # of an end's note the mark counts, and the frame's largest response
+        first, largest = Signal(init=1), Signal(parameters.response_bits)
+        with m.If(moves(dut.corners)):
+            response = centre.data.response
+            m.d.sync += [
+                first.eq(centre.eof),
+                largest.eq(Mux(first | (response > largest), response, largest)),
+            ]
         place = Cat(x, y, centre.data.response, texture.data.textured)
         note = dut.note.payload
         said = Cat(note.x, note.y, note.response, note.textured)
@@ -83,9 +91,9 @@ class SelectionChecker(Elaboratable):
             m,
             "note",
             enters=picked | after_end,
-            given=Cat(Mux(after_end, 0, place), after_end),
+            given=Cat(Mux(after_end, largest, place), after_end),
             leaves=moves(dut.note),
-            found=Cat(Mux(note.end, 0, said), note.end),
+            found=Cat(Mux(note.end, note.response, said), note.end),
             capacity=parameters.queue_depth + design.INSIDE + 1,
         )
         for board, port in ((chosen, dut.candidate), (noted, dut.note)):
@@ -94,11 +102,13 @@ class SelectionChecker(Elaboratable):
         overdue = accepts_within(m, 5, dut.corners, during=ready, name="corners")
         m.d.comb += Cover(moves(dut.note) & note.end & dut.candidate.valid, "an end overtakes a candidate")
 
-        def mark_only(kept: Any) -> Any:
-            return Cat(Mux(kept[-1], 0, kept[:-1]), kept[-1])
+        def what_counts(kept: Any) -> Any:
+            kept_note = data.View(design.note_layout(parameters), kept)
+            return Cat(Mux(kept_note.end, kept_note.response, kept[:-1]), kept_note.end)
 
-        for name, here in (("x", x), ("y", y), ("ending", after_end)):
+        for name, here in (("x", x), ("y", y), ("ending", after_end), ("first", first)):
             invariant(m, inside[name] == here, f"{name} differs")
+        invariant(m, first | (dut.largest == largest), "largest differs")
         queue_holds(m, inside["candidates"], candidates, chosen, parameters.queue_depth)
         depth = parameters.queue_depth + design.INSIDE
         # how full the queues can be, as room is heeded a clock late, and as they are emptied
@@ -111,7 +121,7 @@ class SelectionChecker(Elaboratable):
         empty = records + after_end == 0
         invariant(m, empty | (records + overdue + after_end <= depth), "a note too many")
         invariant(m, room | (overdue < 4), "room comes late")
-        queue_holds(m, inside["notes"], notes, noted, depth, compared=mark_only)
+        queue_holds(m, inside["notes"], notes, noted, depth, compared=what_counts)
         return m
 
 
@@ -136,6 +146,7 @@ SELECTION = Claim(
     faults=(
         Fault("candidates.room & notes.room", "notes.room", "candidate: more is inside", 14),
         Fault("notes.i.valid.eq(picked | ending)", "notes.i.valid.eq(picked)", "note: ", 5),
+        Fault("first | (response > self.largest)", "response > self.largest", "note: another beat", 14),
         Fault("[x.eq(MARGIN), y.eq(y + 1)]", "x.eq(MARGIN)", "note: another beat", 6),
         Fault("Signal(), step & corner.corner", "Signal(), self.corners.valid & corner.corner", "", 14),
     ),

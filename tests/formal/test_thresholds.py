@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Thresholds: each frame gets its own, its maximum goes on, and nothing waits for ever."""
+"""Thresholds: each frame gets its own, and nothing waits for ever."""
 
 from __future__ import annotations
 
@@ -33,18 +33,16 @@ class ThresholdsChecker(Elaboratable):
         free(m, dut)
         for name in ("i", "settings"):
             assume_stable(m, getattr(dut, name), name)
-        for name in ("o", "thresholds", "maximum"):
+        for name in ("o", "thresholds"):
             stable(m, getattr(dut, name), name)
         m.d.comb += [
             Assert(moves(dut.i) == moves(dut.o), "a beat does not pass through in its clock"),
             Assert(~dut.o.valid | (dut.i.payload == dut.o.payload), "a beat changes on its way through"),
         ]
 
-        first, largest = Signal(init=1), Signal(parameters.response_bits)
-        step, beat = moves(dut.i), dut.i.payload
-        now_largest = Mux(first | (beat.data > largest), beat.data, largest)
+        first, step = Signal(init=1), moves(dut.i)
         with m.If(step):
-            m.d.sync += [first.eq(beat.eof), largest.eq(now_largest)]
+            m.d.sync += first.eq(dut.i.payload.eof)
         taken = Scoreboard(
             m,
             "settings taken",
@@ -65,23 +63,11 @@ class ThresholdsChecker(Elaboratable):
             capacity=1,
         )
         made_within = made.leaves_within(bits + 1, dut.thresholds.ready)
-        maxima = Scoreboard(
-            m,
-            "maximum",
-            enters=step & beat.eof,
-            given=now_largest,
-            leaves=moves(dut.maximum),
-            found=dut.maximum.payload,
-            capacity=1,
-        )
-        maxima.leaves_within(1, dut.maximum.ready)
-        ready = dut.o.ready & dut.settings.valid & dut.thresholds.ready & dut.maximum.ready
+        ready = dut.o.ready & dut.settings.valid & dut.thresholds.ready
         # from a frame's first response to the thresholds' leaving, and one clock to look at it
         most = bits + 5
         late = within(m, most, during=ready & dut.i.valid, happens=step, name="i: a beat is not accepted")
-        m.d.comb += Cover(
-            moves(dut.maximum) & first & ~dut.thresholds.valid, "a maximum before its thresholds"
-        )
+        m.d.comb += Cover(moves(dut.thresholds) & first, "thresholds later than their frame")
 
         chosen, referred, multiplying = (inside[name] for name in ("chosen", "referred", "multiplying"))
         busy, count, may_start = (inside[name] for name in ("busy", "count", "may_start"))
@@ -92,13 +78,10 @@ class ThresholdsChecker(Elaboratable):
         invariant(m, ~multiplying | (count < bits), "too many bits")
         invariant(m, taken.inside == (chosen | referred), "frames and settings differ")
         invariant(m, made.inside == (multiplying | valid), "settings and thresholds differ")
-        invariant(m, maxima.inside == dut.maximum.valid, "maxima differ")
         invariant(m, ~(chosen | referred) | dut.settings.valid, "settings are gone")
-        invariant(m, (inside["first"] == first) & (first | (inside["largest"] == largest)), "frames differ")
+        invariant(m, inside["first"] == first, "frames differ")
         with m.If(made.following):
             invariant(m, dut.thresholds.payload.report_rejected == made.value, "another frame's thresholds")
-        with m.If(maxima.following):
-            invariant(m, dut.maximum.payload == maxima.value, "another frame's maximum")
         # how far it has come with a frame: what is overdue cannot be so for longer
         invariant(m, soon <= referred, "settings come late")
         invariant(m, ~multiplying | (made_within <= count), "thresholds come late")
@@ -112,7 +95,7 @@ class ThresholdsChecker(Elaboratable):
 
 
 THRESHOLDS = Claim(
-    says="Thresholds: one set and one maximum per frame, stream rules, no deadlock",
+    says="Thresholds: one set per frame, stream rules, no deadlock",
     design=hdl.thresholds,
     small=variant(
         hdl.thresholds,
@@ -125,14 +108,8 @@ THRESHOLDS = Claim(
     depth=2,
     covered=14,
     faults=(
-        Fault("& ~(eof & self.maximum.valid)", "", "maximum: ", 20),
+        Fault("first.eq(self.i.payload.eof)", "first.eq(0)", "", 20),
         Fault("& ~busy & ~self.thresholds.valid & ~start", "& ~busy & ~start", "thresholds: ", 20),
-        Fault(
-            "Mux(first | (response > largest), response, largest)",
-            "Mux(response > largest, response, largest)",
-            "maximum: ",
-            40,
-        ),
         Fault(
             "with m.If(self.thresholds.ready):",
             "with m.If(self.thresholds.ready & self.i.valid):",

@@ -11,7 +11,7 @@ from amaranth.sim import Simulator
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.adaptation import COUNT_MAX, adapted_threshold, bin_edges, bins, histogram
+from golden.adaptation import COUNT_MAX, adapted_threshold, bin_edges, bins, histogram, smoothed
 from golden.parameters import Parameters
 from hdl.adaptation import Adaptation
 from tests.hdl.blocks import Array
@@ -28,15 +28,23 @@ Frame = tuple[Array, int]
 Adapted = tuple[int, bool]
 
 
-def expected(frames: list[Frame], parameters: Parameters) -> list[Adapted]:
-    return [
-        (adapted_threshold(histogram(responses, parameters), target, parameters) if target else 0, target > 0)
-        for responses, target in frames
-    ]
+def expected(frames: list[Frame], parameters: Parameters, smoothing: int = 0) -> list[Adapted]:
+    results: list[Adapted] = []
+    before, known = 0, False
+    for responses, target in frames:
+        now = adapted_threshold(histogram(responses, parameters), target, parameters) if target else 0
+        before, known = smoothed(before, now, smoothing) if known and target else now, target > 0
+        results.append((before, known))
+    return results
 
 
 def simulate(
-    frames: list[Frame], parameters: Parameters, *, kept: Adapted = (0, False), seed: int | None = None
+    frames: list[Frame],
+    parameters: Parameters,
+    *,
+    kept: Adapted = (0, False),
+    seed: int | None = None,
+    smoothing: int = 0,
 ) -> list[Adapted]:
     """What is known after reset, and after each frame.
 
@@ -71,7 +79,7 @@ def simulate(
                 ctx.set(dut.corner, 1)
                 ctx.set(dut.strength, response)
                 ctx.set(dut.last, last)
-                ctx.set(dut.target, 0)
+                ctx.set(dut.aim, {"corners": 0, "smoothing": 0})
                 await ctx.tick()
                 ctx.set(dut.corner, 0)
                 ctx.set(dut.last, 0)
@@ -83,7 +91,7 @@ def simulate(
                 ctx.set(dut.last, 1)
                 await ctx.tick()
                 ctx.set(dut.last, 0)
-            ctx.set(dut.target, target)
+            ctx.set(dut.aim, {"corners": target, "smoothing": smoothing})
             await settle(ctx)
 
     simulator = Simulator(dut)
@@ -93,9 +101,9 @@ def simulate(
     return results
 
 
-def check(frames: list[Frame], parameters: Parameters, seed: int | None = None) -> None:
-    got = simulate(frames, parameters, seed=seed)
-    want = expected(frames, parameters)
+def check(frames: list[Frame], parameters: Parameters, seed: int | None = None, smoothing: int = 0) -> None:
+    got = simulate(frames, parameters, seed=seed, smoothing=smoothing)
+    want = expected(frames, parameters, smoothing)
     assert got[0] == (0, False)
     assert [known for _, known in got[1:]] == [known for _, known in want]
     known = [k for k, (_, known) in enumerate(want) if known]
@@ -134,7 +142,21 @@ def test_any_frames(data: st.DataObject) -> None:
     few = st.lists(st.sampled_from([1, 100, 101, parameters.response_max]), max_size=30)
     frame = st.tuples(st.one_of(responses, few).map(np.array), st.integers(0, 20))
     frames = data.draw(st.lists(frame, min_size=1, max_size=4))
-    check(frames, parameters, data.draw(st.one_of(st.none(), st.integers(0, 99))))
+    seed, smoothing = data.draw(st.one_of(st.none(), st.integers(0, 99))), data.draw(st.integers(0, 3))
+    check(frames, parameters, seed, smoothing)
+
+
+@pytest.mark.parametrize("smoothing", [1, 2, 3])
+def test_smoothing(smoothing: int) -> None:
+    """Up and down between two scenes, after a first frame that is taken as it is, and again after one without a target."""
+    p = PARAMETERS[1]
+    bright, dark = np.array([p.response_max, 90_000, 500]), np.array([700, 300, 8])
+    frames = [(scene, target) for target in (2, 0, 2) for scene in (dark, bright, bright, dark, dark)]
+    check(frames, p, smoothing=smoothing)
+    levels = [t1 for t1, _ in expected(frames[:3], p, smoothing)]
+    assert (
+        levels[0] == expected([(dark, 2)], p)[0][0] < levels[1] < levels[2] < expected([(bright, 2)], p)[0][0]
+    )
 
 
 def test_what_is_kept_holds_after_reset() -> None:
@@ -154,4 +176,4 @@ def test_a_bin_that_is_full_stays_full() -> None:
 def test_clocks() -> None:
     """Short enough for the least frame: see the detector's test of its rate."""
     assert [bins(parameters) for parameters in PARAMETERS] == [48, 48, 16, 48]
-    assert Adaptation(PARAMETERS[0]).clocks == 62
+    assert Adaptation(PARAMETERS[0]).clocks == 64

@@ -115,9 +115,13 @@ def wanted(sizes: list[Size], centre: dict[str, Any]) -> tuple[Array, Words, Wor
     y = np.concatenate([np.repeat(np.arange(height), width) for height, width in sizes]) + MARGIN
     notes = {field: centre[field] for field in ("response", "textured")} | {"x": x, "y": y, "end": 0 * x}
     notes = {field: values[chosen] for field, values in notes.items()}
-    ends = np.searchsorted(chosen, np.flatnonzero(centre["eof"]), side="right")
-    # of an end's note nothing but the mark counts
-    notes = {field: np.insert(values, ends, int(field == "end")) for field, values in notes.items()}
+    frame_ends = np.flatnonzero(centre["eof"])
+    ends = np.searchsorted(chosen, frame_ends, side="right")
+    # of an end's note the mark counts, and the largest response of the whole frame
+    of_ends: dict[str, Any] = dict.fromkeys(notes, 0)
+    of_ends["end"] = 1
+    of_ends["response"] = np.maximum.reduceat(centre["response"], [0, *(frame_ends[:-1] + 1)])
+    notes = {field: np.insert(values, ends, of_ends[field]) for field, values in notes.items()}
     return chosen, surfaces, pack(note_layout(PARAMETERS), notes)
 
 
@@ -132,8 +136,9 @@ def check(
     quiet = 20 * int(1 / ((1 - stalls.inputs) * (1 - stalls.outputs))) + 200
     capture = engine(name, InStep).run(Stimulus({"i": pack(CENTRE, centre)}, [], stalls), quiet=quiet)
     notes = unpack(note_layout(PARAMETERS), capture.outputs["note"])
-    # of an end's note nothing but the mark counts
-    marked = {field: values * (1 - notes["end"]) for field, values in notes.items()} | {"end": notes["end"]}
+    # of an end's note the mark counts, and the response
+    marked = {field: notes[field] * (1 - notes["end"]) for field in ("x", "y", "textured")}
+    marked = notes | marked
     same("note", pack(note_layout(PARAMETERS), marked), expected)
     same("candidate", capture.outputs["candidate"], surfaces)
     assert not len(capture.outputs["broken"])
@@ -224,7 +229,7 @@ def test_latency() -> None:
 @pytest.mark.parametrize("most", [0, 1, 5, 17, 1000])
 @pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(0.2, 0.9, 3)], ids=["flowing", "stalled"])
 def test_limit(most: int, stalls: Stalls) -> None:
-    """The first ones of each frame; an end's x and y are the number of all there were."""
+    """Each frame's first, up to so many that are not textured; an end's x and y are the number of all there were."""
     sizes = [(12, 20), (9, 9), (1, 30), (30, 25)]
     centre = centres(sizes, (0.3, 0.4, 0.7))
     # not two in two clocks, which cannot be
@@ -236,8 +241,10 @@ def test_limit(most: int, stalls: Stalls) -> None:
     chosen, surfaces, expected = wanted(sizes, centre)
     frame = np.repeat(np.arange(len(sizes)), [height * width for height, width in sizes])[chosen]
     found = np.bincount(frame, minlength=len(sizes))
-    rank = np.concatenate([np.arange(count) for count in found])
-    kept = rank < most if most else rank >= 0
+    accepted = ~centre["textured"][chosen]
+    before = [np.cumsum(accepted[frame == k]) - accepted[frame == k] for k in range(len(sizes))]
+    kept = np.concatenate(before) < most if most else frame >= 0
+    assert not accepted.all() and (most == 0) == kept.all() or most > 100
     same("candidate", capture.outputs["candidate"], surfaces[kept])
     is_end = notes["end"] == 1
     said = notes["x"] | notes["y"] << (notes["x"].dtype.type(13))

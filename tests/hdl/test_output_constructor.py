@@ -47,7 +47,7 @@ def check(
     clamped = (rng.integers(0, 3, total) == 0) & ~not_maximum
     offset = Offset(values(-64, 64), values(-64, 64), clamped, not_maximum)
     offsets = {"dx": offset.dx, "dy": offset.dy, "clamped": clamped, "not_maximum": not_maximum}
-    maximum = values(0, full)[: len(counts)]
+    maximum = response[ends]
 
     record = encode(x, y, response, offset, textured.astype(bool))
     record[ends] = [
@@ -62,14 +62,12 @@ def check(
             "note": pack(note_layout(parameters), note),
             # one for each corner
             "offset": pack(offset_layout(), {field: value[end == 0] for field, value in offsets.items()}),
-            "maximum": maximum.astype(np.uint64),
         },
         {"o": expected},
         stalls,
     )
     if stalls == NO_STALLS:
         assert_timing(capture, OutputConstructor.latency, i="note")
-        assert np.array_equal(capture.input_clocks["maximum"], capture.input_clocks["note"][ends])
         assert np.array_equal(capture.input_clocks["offset"], capture.input_clocks["note"][end == 0])
     return capture
 
@@ -98,7 +96,7 @@ def test_frame_numbers_wrap_and_counts_are_long() -> None:
 def test_by_hand(name: EngineName) -> None:
     """A rejected corner at (10 + 1/2, 20 - 1/128) whose fit was clamped, D = 300; then the frame's end."""
     parameters = Parameters()
-    note = {"x": [10, 0], "y": [20, 0], "response": [300, 0], "textured": [1, 0], "end": [0, 1]}
+    note = {"x": [10, 0], "y": [20, 0], "response": [300, 5000], "textured": [1, 0], "end": [0, 1]}
     offset = {"dx": [64], "dy": [-1], "clamped": [1], "not_maximum": [0]}
     corner = 1344 | 2559 << 20 | 300 << 40 | 0b101 << 61
     end = 1 | 0 << 24 | 5000 << 40 | 0b011 << 61
@@ -107,7 +105,6 @@ def test_by_hand(name: EngineName) -> None:
         {
             "note": pack(note_layout(parameters), {key: np.array(value) for key, value in note.items()}),
             "offset": pack(offset_layout(), {key: np.array(value) for key, value in offset.items()}),
-            "maximum": np.array([5000], np.uint64),
         },
         {"o": np.array([[corner, 0], [end, 1]], np.uint64)},
     )
@@ -115,21 +112,8 @@ def test_by_hand(name: EngineName) -> None:
     assert (seen.x.tolist(), seen.y.tolist()) == ([10.5], [20 - 1 / 128])
 
 
-def test_an_end_waits_for_the_maximum() -> None:
-    """Without it the corners before it come out all the same, and the end does not."""
-    parameters = Parameters()
-    zeros = np.zeros(3, np.int64)
-    note = {"x": zeros, "y": zeros, "response": zeros, "textured": zeros, "end": np.array([0, 0, 1])}
-    offset = dict.fromkeys(("dx", "dy", "clamped", "not_maximum"), zeros[:2])
-    runner = engine("compiled", OutputConstructor, parameters)
-    inputs = {"note": pack(note_layout(parameters), note), "offset": pack(offset_layout(), offset)}
-    hang = pytest.raises(SimulationHang, match=r"note 2 of 3 in, offset 2 of 2 in, .*o 2 out")
-    with hang:
-        runner.run(Stimulus(inputs), max_clocks=100)
-
-
 def test_a_corner_waits_for_its_offset() -> None:
-    """And the end behind it, whose maximum is there."""
+    """And the end behind it, which waits for nothing else."""
     parameters = Parameters()
     zeros = np.zeros(3, np.int64)
     note = {"x": zeros, "y": zeros, "response": zeros, "textured": zeros, "end": np.array([0, 0, 1])}
@@ -138,11 +122,8 @@ def test_a_corner_waits_for_its_offset() -> None:
     inputs = {
         "note": pack(note_layout(parameters), note),
         "offset": pack(offset_layout(), offset),
-        "maximum": np.array([5], np.uint64),
     }
-    with pytest.raises(
-        SimulationHang, match=r"note 1 of 3 in, offset 1 of 1 in, maximum 0 of 1 in, .*o 1 out"
-    ):
+    with pytest.raises(SimulationHang, match=r"note 1 of 3 in, offset 1 of 1 in, .*o 1 out"):
         runner.run(Stimulus(inputs), max_clocks=100)
 
 

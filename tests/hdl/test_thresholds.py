@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Thresholds: T1 and T2 of every frame, the previous frame's largest response, and who waits for whom."""
+"""Thresholds: T1 and T2 of every frame, and who waits for whom."""
 
 from __future__ import annotations
 
@@ -42,42 +42,50 @@ PIXELS = Parameters(patches="pixels", pixel_bits=10)
 MEAN = Parameters(texture="mean", gradient="signed")
 BUDGET = Parameters(budget=True)
 FULL = PARAMETERS.response_max
+LARGEST = 7 * FULL // 9
 
 Frame = tuple[Array, Settings]
 
 
 def pack_settings(parameters: Parameters, settings: list[Settings]) -> Words:
-    fields = {
-        "sigma1": [each.sigma1_fixed for each in settings],
-        "sigma2": [each.sigma2_fixed for each in settings],
-        "use_constant": [each.reference == "constant" for each in settings],
-        "constant": [each.constant for each in settings],
-        "floor": [each.floor for each in settings],
-        "report_rejected": [each.report_rejected for each in settings],
-        **budget_fields(parameters, settings),
-    }
-    return pack(settings_layout(parameters), {name: np.array(values) for name, values in fields.items()})
+    fixed = [each.fixed(parameters) for each in settings]
+    return pack(
+        settings_layout(parameters), {name: np.array([each[name] for each in fixed]) for name in fixed[0]}
+    )
 
 
-def budget_fields(parameters: Parameters, settings: list[Settings]) -> dict[str, list[int]]:
+def budget_fields(parameters: Parameters, settings: list[Settings]) -> dict[str, Any]:
     if not parameters.budget:
         return {}
+    aim = {
+        "corners": [each.wanted_corners for each in settings],
+        "rank": [each.target_corners == 0 for each in settings],
+        "smoothing": [each.smoothing for each in settings],
+    }
     return {
-        "max_corners": [each.max_corners for each in settings],
-        "target_corners": [each.target_corners for each in settings],
+        "max_corners": np.array([each.max_corners for each in settings]),
+        "aim": {name: np.array(values) for name, values in aim.items()},
     }
 
 
 def limits(
     frames: list[Frame], parameters: Parameters, adapted: int | None = None
 ) -> list[golden.Thresholds]:
+    """Of frames whose largest response is always :data:`LARGEST`."""
     previous: int | None = None
     result = []
-    for responses, settings in frames:
-        reference = golden.choose_reference(settings, previous)
+    for _, settings in frames:
+        # what is adapted is known of a frame before, or there is nothing
+        reference = golden.choose_reference(settings, previous if adapted is None else LARGEST, adapted)
+        if adapted is not None and previous is None and not by_rank(settings):
+            reference = golden.choose_reference(settings, None)
         result.append(golden.thresholds(settings, reference, parameters, adapted))
-        previous = int(responses.max())
+        previous = LARGEST
     return result
+
+
+def by_rank(settings: Settings) -> bool:
+    return settings.reference_rank > 0 and settings.target_corners == 0
 
 
 def check(
@@ -100,13 +108,9 @@ def check(
     return run(
         engine(name, Thresholds, parameters),
         {"i": beats, "settings": pack_settings(parameters, [settings for _, settings in frames])},
-        {
-            "o": beats,
-            "thresholds": pack(thresholds_layout(parameters), fields),
-            "maximum": np.array([responses.max() for responses, _ in frames], np.uint64),
-        },
+        {"o": beats, "thresholds": pack(thresholds_layout(parameters), fields)},
         stalls,
-        levels=[(0, {"adapted": known})] if parameters.budget else None,
+        levels=[(0, {"largest": LARGEST, **({"adapted": known} if parameters.budget else {})})],
     )
 
 
@@ -138,7 +142,6 @@ def test_frames_of_detector_size_never_wait(name: EngineName) -> None:
     first = completing([(9, 9)] * 8, 1)[::81]
     taken = capture.output_clocks["thresholds"] - capture.input_clocks["i"][first]
     assert (taken == Thresholds(PARAMETERS).clocks).all()
-    assert (capture.output_clocks["maximum"] == capture.input_clocks["i"][first + 80] + 1).all()
 
 
 @pytest.mark.parametrize("parameters", [PARAMETERS, PIXELS], ids=["regions", "pixels, 10 bits"])
@@ -154,15 +157,23 @@ def test_extremes(parameters: Parameters) -> None:
 @pytest.mark.parametrize("name", ENGINES)
 @pytest.mark.parametrize("adapted", [None, 0, 3, 700, FULL])
 def test_adapted(adapted: int | None, name: EngineName) -> None:
-    """T1 is that where there is a target, but no less than sigma1 · floor; T2 is as ever."""
+    """T1 is that where there is a target, but no less than sigma1 · floor, and T2 is as ever; with a rank it is Dref."""
     settings = Settings(sigma1=0.01, floor=500)
     kinds = [
-        replace(settings, target_corners=target, max_corners=most, sigma1=sigma1)
-        for target, most, sigma1 in ((0, 7, 0.01), (1, 0, 0.01), (65535, 65535, 0.5), (300, 1, 0.0))
+        replace(settings, target_corners=target, max_corners=most, sigma1=sigma1, reference_rank=rank)
+        for target, most, sigma1, rank in (
+            *((0, 7, 0.01, 0), (0, 0, 0.2, 32), (1, 0, 0.01, 0), (0, 3, 0.5, 65535)),
+            *((65535, 65535, 0.5, 5), (300, 1, 0.0, 0), (0, 0, 0.9, 1)),
+        )
     ]
-    frames = [(responses, kind) for responses, kind in zip(noise([(3, 12)] * 4, FULL), kinds, strict=True)]
+    kinds += [
+        replace(kinds[1], reference="constant", constant=999, smoothing=3),
+        replace(kinds[0], smoothing=1),
+    ]
+    sizes = [(3, 12)] * len(kinds)
+    frames = [(responses, kind) for responses, kind in zip(noise(sizes, FULL), kinds, strict=True)]
     capture = check(frames, BUDGET, name, adapted=adapted)
-    first = completing([(3, 12)] * 4, 1)[::36]
+    first = completing(sizes, 1)[::36]
     taken = capture.output_clocks["thresholds"] - capture.input_clocks["i"][first]
     assert (taken == Thresholds(BUDGET).clocks).all()
 
@@ -179,19 +190,20 @@ def test_a_frame_waits_until_it_is_adapted() -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """Constant, since it is the first; then the 1000 at the end of that; then the floor; then the constant."""
-    peak = np.array([[3, 7, 1000]])
-    low = np.array([[0, 2, 1]])
+    """Constant, since it is the first; then the largest; then the floor; then the constant."""
+    some = np.array([[3, 7, 1000]])
     quarter = Settings(sigma1=0.25, sigma2=0.5, constant=400, floor=10)
     frames = [
-        (peak, quarter),
-        (low, quarter),
-        (peak, quarter),
-        (peak, replace(quarter, reference="constant")),
-        (peak, replace(quarter, reference="constant", floor=500)),
+        (some, quarter),
+        (some, quarter),
+        (some, replace(quarter, floor=60_000)),
+        (some, replace(quarter, reference="constant")),
+        (some, replace(quarter, reference="constant", floor=500)),
     ]
     # T2 is in ninths
-    assert limits(frames, PARAMETERS) == [(100, 1800), (250, 4500), (2, 45), (100, 1800), (125, 2250)]
+    assert LARGEST == 50_575
+    by_hand = [(100, 1800), (12_643, 227_587), (15_000, 270_000), (100, 1800), (125, 2250)]
+    assert limits(frames, PARAMETERS) == by_hand
     check(frames, name=name)
 
 
@@ -230,7 +242,7 @@ def test_the_next_frame_waits_until_the_thresholds_are_taken() -> None:
 
     async def bench(ctx: Any) -> None:
         ctx.set(dut.o.ready, 1)
-        ctx.set(dut.maximum.ready, 1)
+        ctx.set(dut.largest, LARGEST)
         left = {dut.i: list(beats), dut.settings: list(settings)}
         for clock in range(700):
             for port, values in left.items():

@@ -57,21 +57,13 @@ class PlainVideoDetector(wiring.Component):
 
 def levels(video: VideoSettings, parameters: Parameters) -> dict[str, int]:
     """Values of the plain inputs."""
-    settings = video.settings
-    budget = {"max_corners": settings.max_corners, "target_corners": settings.target_corners}
     return {
         "enable": int(video.enabled),
         "ignore_eol": int(video.ignore_eol),
         "width": video.width,
         "height": video.height,
         "max_records": video.max_records,
-        "sigma1": settings.sigma1_fixed,
-        "sigma2": settings.sigma2_fixed,
-        "use_constant": int(settings.reference == "constant"),
-        "constant": settings.constant,
-        "floor": settings.floor,
-        "report_rejected": int(settings.report_rejected),
-        **(budget if parameters.budget else {}),
+        **video.settings.fixed(parameters),
     }
 
 
