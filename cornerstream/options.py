@@ -34,7 +34,8 @@ _DETECTOR = (
     *("suppression", "budget", "buffering", "max_width", "max_height", "pixel_bits"),
 )
 _EDGES = ("video_out", "autostart")
-_THRESHOLDS = ("sigma1", "sigma2", "reference", "constant", "floor", "max_corners", "target_corners")
+_BUDGET = ("max_corners", "target_corners", "reference_rank")
+_THRESHOLDS = ("sigma1", "sigma2", "reference", "constant", "floor", *_BUDGET)
 _PLAIN = Parameters()
 _USUAL = Settings()
 
@@ -160,20 +161,29 @@ threshold_options = _together(
         "0, or 0.125 to 1.875, rounded down to eighths.",
     ),
     _setting(
-        "--reference", click.Choice(get_args(Reference)), "The previous frame's largest D, or --constant."
+        "--reference",
+        click.Choice(get_args(Reference)),
+        "The previous frame's largest D where a corner can be, or --constant.",
     ),
     _scaled("--constant", "Reference where no previous frame counts, in units of D."),
     _scaled("--floor", "The reference is never below it."),
     _setting(
         "--max-corners",
         int,
-        "Corners per frame, at most: the first ones, row by row; 0: all. Implies --budget.",
+        "Accepted corners per frame, at most: the first ones, row by row; 0: all. Implies --budget.",
         metavar="N",
     ),
     _setting(
         "--target-corners",
         int,
         "Corners per frame to aim at, from frame to frame, instead of sigma1; 0: none. Implies --budget.",
+        metavar="N",
+    ),
+    _setting(
+        "--reference-rank",
+        int,
+        "The reference is the D that so many corners of the previous frame exceed, not its largest, which one hot "
+        "pixel can set; 0: the largest. Implies --budget.",
         metavar="N",
     ),
 )
@@ -204,7 +214,7 @@ def output_option(default: str | None, text: str) -> Callable[[Command], Command
 def parameters_from(options: dict[str, Any], *, hardware: bool) -> Parameters:
     """The detector that the command line describes; :class:`BadInput` if there is none, or none with such edges."""
     changes = {field: options[field] for field in (*_DETECTOR, *_EDGES) if options.get(field) is not None}
-    if options.get("max_corners") or options.get("target_corners"):
+    if any(options.get(field) for field in _BUDGET):
         changes["budget"] = True
     if hardware and changes.get("fit") == "printed":
         allowed = ", ".join(fit for fit in get_args(Fit) if fit != "printed")
@@ -248,6 +258,11 @@ def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
             "floor",
             constant and settings.floor < settings.constant and not settings.target_corners,
             f"with --reference previous, or above --constant, which is {settings.constant}",
+        ),
+        Idle(
+            "reference_rank",
+            constant or settings.target_corners > 0,
+            "with --reference previous, and without --target-corners",
         ),
     )
     used = settings.sigma2_used(parameters)

@@ -207,7 +207,10 @@ def _run_from(options: dict[str, Any]) -> Run:
         ),
         Idle("vcd_clocks", vcd is None, "with --vcd"),
         # a frame's target changes the next one's threshold
-        Idle("target_corners", options["frames"] == 1, "with --frames 2 or more"),
+        *(
+            Idle(field, options["frames"] == 1, "with --frames 2 or more")
+            for field in ("target_corners", "reference_rank")
+        ),
     )
     return Run(options["engine"], options["frames"], stalls, vcd, options["vcd_clocks"])
 

@@ -174,8 +174,8 @@ def next_adapted(
 ) -> int | None:
     """The D that as many corners of a frame exceed as a target or a rank asks for; None if there is neither.
 
-    Counted are the corners that the texture filter keeps, with or without ``report_rejected`` and ``max_corners``. For
-    a rank the paper's filter is not asked: T2, a fraction of what comes out, would make a loop of it.
+    Counted are the corners that the texture filter keeps, with or without ``report_rejected`` and ``max_corners``.
+    For a rank the paper's filter is not asked: T2, a fraction of what comes out, would make a loop of it.
 
     Parameters
     ----------

@@ -276,8 +276,8 @@ class Settings:
         Counted are all peaks, with ``texture="mean"`` those with T > 0. 0: the largest. A target comes first. Only
         built with ``budget``.
     smoothing
-        What a target or a rank asks for moves by 1/2**smoothing of the way from frame to frame, 0 to 3: for lamps that
-        flicker. Only built with ``budget``.
+        What a target or a rank asks for moves by 1/2**smoothing of the way from frame to frame, 0 to 3: for lamps
+        that flicker. Only built with ``budget``.
 
     Raises
     ------

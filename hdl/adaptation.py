@@ -18,7 +18,7 @@ EVENT_CLOCKS = 5
 
 
 def adapted_layout(parameters: Parameters) -> data.StructLayout:
-    """T1 or Dref for the next frame, and whether there is one: only behind a complete frame with a target or a rank."""
+    """T1 or Dref for the next frame, and whether there is one: only behind a complete frame that was aimed at."""
     return data.StructLayout({"t1": parameters.response_bits, "known": 1})
 
 

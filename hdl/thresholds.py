@@ -39,7 +39,7 @@ def settings_layout(parameters: Parameters) -> data.StructLayout:
 
 
 def thresholds_layout(parameters: Parameters) -> data.StructLayout:
-    """T1 in units of D, T2 in units of tau, or the weight of the local level of D; with ``budget`` its settings."""
+    """T1 in units of D; T2 in units of tau, or the weight of the local level of D; settings of the ``budget``."""
     t2_bits = parameters.response_bits + SIGMA2_INTEGER_BITS + (parameters.pixels_per_region - 1).bit_length()
     return data.StructLayout(
         {
@@ -56,8 +56,8 @@ class Thresholds(wiring.Component):
 
     With ``texture="mean"`` T2 is sigma2 itself, as ``golden.Settings.mean_weight``.
 
-    With a frame's first response, on its way from ``i`` to ``o``, it takes that frame's settings and multiplies, one bit
-    of sigma per clock, long before the frame's first window.
+    With a frame's first response, on its way from ``i`` to ``o``, it takes that frame's settings and multiplies, one
+    bit of sigma per clock, long before the frame's first window.
 
     With ``budget``, and what a target or a rank asks for known of the frame before, that is T1, but at least
     sigma1 · floor; or Dref, but at least the floor.

@@ -95,9 +95,9 @@ class WindowChain:
         columns
             Output of the response buffer: ``Columns`` of nine responses, or of nine {"response", "pixel"}.
         limits
-            The thresholds' stream. They stay until the last window of their frame leaves, when its largest response is
-            known. They never come too late: they are ready soon after a frame's first response, and its first column
-            needs eight rows of them.
+            The thresholds' stream. They stay until the last window of their frame leaves, with which its largest
+            response is known. They never come too late: they are ready soon after a frame's first response, and its
+            first column needs eight rows of them.
         candidates
             Where corners, textures and equations go.
         """

@@ -137,11 +137,11 @@ MUTATIONS = {
         "by_hand and amaranth",
     ),
     "the previous maximum lacks the frame's last response": Mutation(
-        "hdl/thresholds.py",
-        "[largest.eq(now_largest), first.eq(eof)]",
-        "[largest.eq(Mux(eof, largest, now_largest)), first.eq(eof)]",
-        "tests/hdl/test_thresholds.py",
-        "by_hand and amaranth",
+        "hdl/candidate_selection.py",
+        "with m.If(first | (response > self.largest)):",
+        "with m.If(first | (response > self.largest) & ~self.corners.payload.eof):",
+        "tests/hdl/test_candidate_selection.py",
+        "test_frames and compiled",
     ),
     "a size is sampled while settings wait": Mutation(
         "hdl/frame_control.py",

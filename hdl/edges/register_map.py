@@ -338,7 +338,7 @@ def _budget(p: Parameters) -> tuple[Register, ...]:
             "BUDGET",
             0x38,
             "rw",
-            "Corners per frame, without rejected ones. Of more than there may be, CORNERS and DROPPED count the rest, too.",
+            "Accepted corners per frame. Of more than there may be, CORNERS and DROPPED count the rest, too.",
             (
                 Field("max_corners", 0, BUDGET_BITS, "Most that are reported, the first ones; 0: no limit."),
                 Field(
@@ -356,7 +356,7 @@ def _budget(p: Parameters) -> tuple[Register, ...]:
                     "reference_rank",
                     0,
                     BUDGET_BITS,
-                    "The response that so many corners of the last frame exceed; 0: the largest. A target comes first.",
+                    "The response that so many corners of the last frame exceed; 0: the largest. After a target.",
                 ),
                 Field(
                     "smoothing",

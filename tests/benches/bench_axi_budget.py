@@ -67,7 +67,9 @@ async def target_corners(dut: Dut, stall: float) -> None:
     await bench.start()
     for _ in range(3 * ROUNDS):
         for target in (4, 9, 0, 3):
-            await aim(bench, target_corners=target, max_corners=int(random_.choice([0, 7])))
+            budget = {"max_corners": [0, 7], "reference_rank": [0, 5], "smoothing": [0, 1, 3]}
+            drawn = {name: int(random_.choice(values)) for name, values in budget.items()}
+            await aim(bench, target_corners=target, **drawn)
             images: list[Image] = [bench.squares(random_), bench.image(random_), bench.squares(random_)]
             bench.send(images[0])
             bench.send(marked(images[1])[: int(random_.integers(1, images[1].size))])
@@ -112,3 +114,5 @@ async def bytes_of_budget(dut: Dut) -> None:
     await bench.write_fields("BUDGET", max_corners=0x1234, target_corners=0xABCD)
     assert await bench.read("BUDGET") == 0xABCD_1234
     assert await bench.fields("BUDGET") == {"max_corners": 0x1234, "target_corners": 0xABCD}
+    await bench.write("REFERENCE", LARGE * LARGE - 1)
+    assert await bench.fields("REFERENCE") == {"reference_rank": 0xFFFF, "smoothing": 3}

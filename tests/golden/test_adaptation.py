@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -157,14 +158,16 @@ def test_first_frame_and_frames_without_a_target() -> None:
 
 @given(st.integers(0, 60), st.booleans())
 def test_max_corners_keeps_the_first(most: int, rejected: bool) -> None:
-    image = window("camera", 0, 100)
-    settings = Settings.default(ROBUST, sigma1=0.01, report_rejected=rejected)
+    image = window("grass", 0, 100)
+    settings = Settings.default(ROBUST, sigma1=0.05, sigma2=1.125, report_rejected=rejected)
     every = detect(image, ROBUST, settings)
-    limited = detect(
-        image, ROBUST, Settings.default(ROBUST, sigma1=0.01, report_rejected=rejected, max_corners=most)
-    )
-    count = min(most, len(every)) if most else len(every)
-    assert len(limited) == count
+    limited = detect(image, ROBUST, replace(settings, max_corners=most))
+    # counted are accepted ones; with the last of them the frame's records end
+    accepted = np.flatnonzero(every.accepted)
+    count = int(accepted[most - 1]) + 1 if 0 < most <= len(accepted) else len(every)
+    assert len(limited) == count and 30 < len(accepted)
+    assert rejected == (len(accepted) < len(every))
+    assert not 0 < most <= len(accepted) or np.count_nonzero(limited.accepted) == most
     assert np.array_equal(limited.x, every.x[:count]) and np.array_equal(limited.flags, every.flags[:count])
 
 
@@ -187,13 +190,15 @@ def test_a_cut_frame_changes_nothing() -> None:
 
 
 def test_the_budget_must_be_built() -> None:
-    for field in ("max_corners", "target_corners"):
+    for field in ("max_corners", "target_corners", "reference_rank"):
         with pytest.raises(
             ValueError, match=f"{field} is 7; allowed: 0, since the detector is built without"
         ):
             Settings(**{field: 7}).check(Parameters())
         with pytest.raises(ValueError, match=f"{field} is 65536; allowed: whole numbers from 0 to 65535"):
             Settings(**{field: 65536})
+    with pytest.raises(ValueError, match="smoothing is 4; allowed: whole numbers from 0 to 3"):
+        Settings(smoothing=4)
 
 
 @pytest.mark.parametrize("name", ["camera", "brick", "coins"])
@@ -209,3 +214,72 @@ def test_float_reference(name: str) -> None:
     pixels = [set(zip(c.x.round().tolist(), c.y.round().tolist(), strict=True)) for c in (exact, ours)]
     assert len(pixels[0] & pixels[1]) >= 70
     assert len(reference_detect(image, parameters, Settings.default(parameters, max_corners=7))) == 7
+
+
+@pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
+def test_float_reference_of_a_rank(parameters: Parameters) -> None:
+    """Which takes the response itself at that place, without a histogram."""
+    settings = Settings.default(parameters, sigma1=0.2, reference_rank=32)
+    exact, ours = (each(photograph("coins"), parameters, settings) for each in (reference_detect, detect))
+    assert abs(len(exact) - len(ours)) <= 0.1 * len(ours) and len(ours) > 50
+
+
+def with_hot_pixels(image: np.ndarray, count: int) -> np.ndarray:
+    hot = image.copy()
+    rng = np.random.default_rng(5)
+    hot[rng.integers(20, image.shape[0] - 20, count), rng.integers(20, image.shape[1] - 20, count)] = 255
+    return hot
+
+
+@pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
+def test_hot_pixels_do_not_set_a_reference_by_rank(parameters: Parameters) -> None:
+    """In a dark picture of low contrast the largest response is theirs, and most corners are gone."""
+    image = 20 + photograph("brick") // 8
+    counts = {}
+    for rank in (0, 32):
+        settings = Settings.default(parameters, sigma1=0.1, floor=1, reference_rank=rank)
+        counts[rank] = [
+            len(detect(scene, parameters, settings)) for scene in (image, with_hot_pixels(image, 3))
+        ]
+    before, after = counts[0]
+    assert before > 100 and after < before / 5
+    before, after = counts[32]
+    assert before > 100 and abs(after - before) <= 0.15 * before
+
+
+@pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
+def test_a_rank_that_a_frame_does_not_have_leaves_the_floor(parameters: Parameters) -> None:
+    image = np.full((60, 60), 40, np.uint8)
+    image[20:40, 20:40] = 200
+    settings = Settings.default(parameters, reference_rank=200, report_rejected=True)
+    by_floor = replace(settings, reference="constant", constant=settings.floor, reference_rank=0)
+    assert detect(image, parameters, settings) == detect(image, parameters, by_floor)
+    assert len(detect(image, parameters, settings)) >= 4
+
+
+def test_a_target_comes_before_a_rank_and_a_given_reference_before_both() -> None:
+    image = photograph("coins")
+    both = Settings.default(ROBUST, target_corners=50, reference_rank=7)
+    assert detect(image, ROBUST, both) == detect(image, ROBUST, replace(both, reference_rank=0))
+    rank = replace(both, target_corners=0)
+    given = detect(image, ROBUST, rank, reference=5000)
+    assert given == detect(image, ROBUST, replace(rank, reference_rank=0), reference=5000)
+    assert given != detect(image, ROBUST, rank)
+
+
+def test_smoothing_follows_slowly() -> None:
+    """A lamp at full and at half light by turns: each frame's threshold is the other's, or an average."""
+    bright = photograph("coins")
+    scenes = [bright, bright // 2] * 8
+    spread, t1 = {}, {}
+    for smoothing in (0, 3):
+        model = StreamModel(ROBUST)
+        settings = Settings.default(ROBUST, sigma1=0.2, floor=1, reference_rank=32, smoothing=smoothing)
+        results = [model.process(scene, settings) for scene in scenes]
+        t1[smoothing] = [result.t1 for result in results]
+        counts = [len(result.corners) for result in results[-2:]]
+        spread[smoothing] = counts[0] / counts[1]
+    # D goes with the square of the light
+    assert t1[0][-2] * 3 < t1[0][-1] and t1[3][-2] > 0.75 * t1[3][-1]
+    assert spread[3] < spread[0] / 2
+    assert [result[1] for result in t1.values()] == [t1[0][1]] * 2

@@ -148,7 +148,7 @@ def test_any_frames(data: st.DataObject) -> None:
 
 @pytest.mark.parametrize("smoothing", [1, 2, 3])
 def test_smoothing(smoothing: int) -> None:
-    """Up and down between two scenes, after a first frame that is taken as it is, and again after one without a target."""
+    """Up and down between two scenes; a first frame is taken as it is, also behind one without a target."""
     p = PARAMETERS[1]
     bright, dark = np.array([p.response_max, 90_000, 500]), np.array([700, 300, 8])
     frames = [(scene, target) for target in (2, 0, 2) for scene in (dark, bright, bright, dark, dark)]

@@ -152,6 +152,8 @@ def test_any_images_sizes_and_stalls(parameters: Parameters, data: st.DataObject
     reference = st.sampled_from(["previous", "constant"])
     limit = parameters.response_max
     few = st.one_of(st.just(0), st.integers(0, 30))
+    budgets = dict.fromkeys(("max_corners", "target_corners", "reference_rank"), few)
+    budgets["smoothing"] = st.integers(0, 3)
     any_settings = st.builds(
         Settings,
         sigma1=sigmas(0.5),
@@ -160,7 +162,7 @@ def test_any_images_sizes_and_stalls(parameters: Parameters, data: st.DataObject
         constant=st.integers(1, limit),
         floor=st.integers(1, limit // 64),
         report_rejected=st.booleans(),
-        **({"max_corners": few, "target_corners": few} if parameters.budget else {}),
+        **(budgets if parameters.budget else {}),
     )
     frame = st.tuples(images(parameters.pixel_bits, max_side=64), any_settings)
     frames = data.draw(st.lists(frame, min_size=1, max_size=4))

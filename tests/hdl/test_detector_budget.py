@@ -30,12 +30,16 @@ def test_adaptation_never_makes_a_frame_wait(parameters: Parameters, size: tuple
 
 @pytest.mark.parametrize("parameters", BUDGETS.values(), ids=BUDGETS.keys())
 def test_targets_and_limits_change_from_frame_to_frame(parameters: Parameters) -> None:
-    """Each pair of values after each other; black frames and ones full of corners in between."""
+    """Each pair of values after each other; black frames and ones full of corners in between.
+
+    Without a target there is a rank in every second frame; and all moves at once, or by and by.
+    """
     frames: list[Frame] = []
     some = selective(parameters)
     for seed, (target, most) in enumerate(product((0, 3, 200), (0, 1, 5, 65535))):
         for image in (noise(40, 50, seed, parameters), np.zeros((20, 30), np.uint8)):
-            budget = {"target_corners": target, "max_corners": most}
+            budget = {"target_corners": target, "max_corners": most, "smoothing": seed % 4}
+            budget["reference_rank"] = 8 * (seed % 3)
             frames.append((image, Settings.default(parameters, sigma1=0.001, sigma2=some, **budget)))
             frames.append((image, Settings.default(parameters, sigma2=some, target_corners=3)))
     for stalls in (Stalls(), Stalls(0.2, 0.6, 7)):

@@ -157,7 +157,7 @@ def test_extremes(parameters: Parameters) -> None:
 @pytest.mark.parametrize("name", ENGINES)
 @pytest.mark.parametrize("adapted", [None, 0, 3, 700, FULL])
 def test_adapted(adapted: int | None, name: EngineName) -> None:
-    """T1 is that where there is a target, but no less than sigma1 · floor, and T2 is as ever; with a rank it is Dref."""
+    """T1 where there is a target, but no less than sigma1 · floor, and T2 is as ever; Dref where there is a rank."""
     settings = Settings(sigma1=0.01, floor=500)
     kinds = [
         replace(settings, target_corners=target, max_corners=most, sigma1=sigma1, reference_rank=rank)

@@ -122,6 +122,7 @@ def test_sizes_and_settings_change_from_frame_to_frame(parameters: Parameters, s
         beats, video = marked(image), video_settings(parameters, image)
         if parameters.budget:
             budget = {"target_corners": int(random.choice([0, 2, 9])), "max_corners": number % 7}
+            budget |= {"reference_rank": number % 5, "smoothing": number % 4}
             video = replace(video, settings=replace(video.settings, **budget))
         if number % 4 == 1:
             # cut, after which the next size holds at once
