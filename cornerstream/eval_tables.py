@@ -11,10 +11,14 @@ from evaluation.detectors import PLAIN
 from evaluation.markdown import figure, percent, spread
 from evaluation.paper_accuracy import MEAN_ERROR, MEAN_ERROR_INTEGER
 from evaluation.study import Section
+from evaluation.study_page import flicker, hot_pixels
 
 Record = dict[str, Any]
 
-TABULATED: tuple[Section, ...] = ("accuracy", "table5", "chessboards", "repeatability", "robustness")
+TABULATED: tuple[Section, ...] = (
+    *("accuracy", "table5", "chessboards", "repeatability", "robustness"),
+    "references",
+)
 """Sections that have a table here; all of them are on the page and in the JSON."""
 
 
@@ -32,6 +36,19 @@ def tables(study: Record) -> Iterator[Table]:
             yield _repeatability(title, study[key])
     if "robustness" in study:
         yield _robustness(study["robustness"])
+    if "references" in study:
+        found = study["references"]
+        yield _plain(
+            "Corners with hot pixels over corners without: median (least to most)", *hot_pixels(found)
+        )
+        yield _plain("Corners in light that flickers", *flicker(found))
+
+
+def _plain(title: str, headings: list[str], rows: list[list[str]]) -> Table:
+    table = _table(title, *headings)
+    for row in rows:
+        table.add_row(*row)
+    return table
 
 
 def _table(title: str, *headings: str, caption: str | None = None) -> Table:

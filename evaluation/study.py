@@ -16,6 +16,7 @@ from evaluation.boards import Board, rendered_boards
 from evaluation.chessboards import chessboards
 from evaluation.detectors import MODES, PIXELS_PER_CORNER, detectors
 from evaluation.packages import opencv
+from evaluation.references import references
 from evaluation.repeatability import repeatability
 from evaluation.robustness import robustness, trackable
 from evaluation.sources import NamedImage, Pair, packaged_videos, photographs, video_files
@@ -36,12 +37,13 @@ Section = Literal[
     "robustness",
     "texture",
     "adaptation",
+    "references",
     "word_lengths",
 ]
 SECTIONS: tuple[Section, ...] = get_args(Section)
 _OF_VIDEOS: set[Section] = {"robustness", "texture"}
 _OF_VIEWS: set[Section] = {"repeatability", *_OF_VIDEOS}
-NOT_QUICK: tuple[Section, ...] = ("adaptation", "word_lengths")
+NOT_QUICK: tuple[Section, ...] = ("adaptation", "references", "word_lengths")
 """Sections of which there is no tenth: with ``quick`` they are left out."""
 Progress = Callable[[str, int], AbstractContextManager[Callable[[int], None]]]
 """Called with what is being measured and how many steps it takes; gives what is to be called with steps done."""
@@ -171,6 +173,9 @@ def study(
         with progress("adaptation to a target", len(TARGETS) * len(LAWS)) as advance:
             steps = count(1)
             result["adaptation"] = adaptation(notify=lambda done: advance(next(steps)))
+    if "references" in sections and not quick:
+        with progress("references of the thresholds", len(profiles)) as advance:
+            result["references"] = references(profiles, notify=advance)
     if "word_lengths" in sections and not quick:
         with progress("word lengths, with synthesis", word_length_steps()) as advance:
             steps = count(1)

@@ -53,6 +53,7 @@ def page(study: Record) -> str:
         ("robustness", _robustness),
         ("texture", _texture),
         ("adaptation", _adaptation),
+        ("references", _references),
         ("word_lengths", word_lengths_tables),
     ):
         known[name] = write(study[name]) if study.get(name) else None
@@ -264,6 +265,42 @@ def _adaptation(found: Record) -> Record:
     within = [f"within {100 * float(share):g} %" for share in summary["within"]]
     headings = ["target", "law", "frames judged", "median error", *within]
     return {"size": "×".join(map(str, found["size"])), "table": table(headings, rows, "ll")}
+
+
+def hot_pixels(found: Record) -> tuple[list[str], list[list[str]]]:
+    """Headings and rows: corners with hot pixels over corners without, by reference."""
+    profiles = found["profiles"]
+    counts = list(next(iter(next(iter(profiles.values()))["hot"].values())))
+    headings = ["reference", *(f"{profile}, {count} hot" for profile in profiles for count in counts)]
+    rows = []
+    for rank in next(iter(profiles.values()))["hot"]:
+        cells = [profiles[profile]["hot"][rank][count] for profile in profiles for count in counts]
+        name = f"rank {rank}" if rank != "0" else "the largest D"
+        spreads = [f"{each['median']:.2f} ({each['least']:.2f} to {each['most']:.2f})" for each in cells]
+        rows.append([name, *spreads])
+    return headings, rows
+
+
+def flicker(found: Record) -> tuple[list[str], list[list[str]]]:
+    """Headings and rows: corners in frames of full and of less light by turns, by reference."""
+    profiles = found["profiles"]
+    headings = [
+        "reference",
+        *(f"{profile}, gain {gain:g}" for profile in profiles for gain in found["gains"]),
+    ]
+    kinds = list(next(iter(profiles.values()))["flicker"])
+    rows = [[kind, *(str(n) for each in profiles.values() for n in each["flicker"][kind])] for kind in kinds]
+    return headings, rows
+
+
+def _references(found: Record) -> Record:
+    named = ("photographs", "sigma1", "draws", "contrast", "floor")
+    return {
+        **{name: found[name] for name in named},
+        "gains": _list(tuple(found["gains"])),
+        "hot": table(*hot_pixels(found)),
+        "flicker": table(*flicker(found)),
+    }
 
 
 def _robustness(found: Record) -> Record:

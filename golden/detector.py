@@ -193,18 +193,16 @@ def next_adapted(
 
 
 def frame_thresholds(
-    image: Image, responses: IntArray, parameters: Parameters, settings: Settings, reference: int | None
-) -> Thresholds:
-    """Thresholds of an image by itself, with the given Dref if there is one: see :func:`detect`."""
+    image: Image, responses: IntArray, parameters: Parameters, settings: Settings, given: int | None
+) -> tuple[int, Thresholds]:
+    """Dref and thresholds of an image by itself, with the given Dref if there is one: see :func:`detect`."""
     maximum = largest_response(responses, parameters)
-    given = reference is not None
-    if reference is None:
-        reference = choose_reference(settings, maximum)
+    reference = choose_reference(settings, maximum) if given is None else given
     limits = thresholds(settings, reference, parameters)
     adapted = next_adapted(image, responses, limits, parameters, settings)
-    if not given:
+    if given is None:
         reference = choose_reference(settings, maximum, adapted)
-    return thresholds(settings, reference, parameters, adapted)
+    return reference, thresholds(settings, reference, parameters, adapted)
 
 
 def detect(
@@ -258,9 +256,9 @@ def detection(
     if reference is not None:
         check_integer("reference", reference, 0, parameters.response_max)
         reference = int(reference)
-    limits = frame_thresholds(image, responses, parameters, settings, reference)
+    reference, limits = frame_thresholds(image, responses, parameters, settings, reference)
     records = frame_records(image, responses, limits, parameters, settings.report_rejected)
-    return Detection(decode(within_budget(records, settings)), int(reference), limits)
+    return Detection(decode(within_budget(records, settings)), reference, limits)
 
 
 @dataclass(frozen=True, eq=False)
