@@ -16,6 +16,7 @@ def about(photograph: Photograph, profile: str, parameters: Parameters, settings
         "image": photograph.name,
         "width": width,
         "height": height,
+        "remarks": list(photograph.remarks),
         "profile": profile,
         "parameters": asdict(parameters),
         "settings": asdict(settings),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from cornerstream.errors import BadInput, one_line, reason
-from cornerstream.images.decoders import Decoded, check_kind, decode
+from cornerstream.images.decoders import ALLOWED, Decoded, check_kind, decode, kind
 from cornerstream.images.depth import eight_bits, fitted, normalized
 from cornerstream.images.headers import read_header
 from golden.parameters import SUPPORT, Parameters
@@ -21,7 +21,7 @@ _LARGEST_FILE = 1 << 30
 """Bytes; twice what the largest frame takes in 32-bit floating-point numbers, not compressed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Photograph:
     """A grey image with its name and what was done to get it.
 
@@ -116,10 +116,6 @@ def load(path: Path, parameters: Parameters, *, normalize: bool = False, options
             decoded = _decoded(data, str(path), wanted)
     except BadInput:
         raise
-    except UnidentifiedImageError as error:
-        raise BadInput(
-            f"{path} is damaged, or of a kind that cannot be read; allowed: complete files as docs/inputs.md lists"
-        ) from error
     except Image.DecompressionBombError as error:
         raise BadInput(
             f"{path} has more than {2 * (Image.MAX_IMAGE_PIXELS or 0)} pixels; {wanted.allowed_size}"
@@ -158,4 +154,9 @@ def _decoded(data: bytes, name: str, wanted: _Wanted) -> Decoded:
         )
     hint = "; with --normalize, any numbers" if wanted.options else ""
     check_kind(header, name, normalize=wanted.normalize, hint=hint)
-    return decode(data, header, lambda size: wanted.check_size(name, size, turned=True))
+    try:
+        return decode(data, header, lambda size: wanted.check_size(name, size, turned=True))
+    except UnidentifiedImageError as error:
+        raise BadInput(
+            f"{name} is damaged, or {kind(header)} that cannot be read; allowed: complete files, {ALLOWED}"
+        ) from error

@@ -24,10 +24,11 @@ _DEEP = {"PNG": ("grey",), "TIFF": ("grey", "RGB"), "PPM": ("grey",), "JPEG2000"
 """Layouts that keep all of their bits, where these are not 8."""
 _SCALED = ("PPM", "JPEG2000")
 """Formats whose samples a decoder spreads over all of its 8 or 16 bits."""
-_ALLOWED = (
+ALLOWED = (
     "grey of up to 16 bits in PNG, TIFF, PGM and JPEG 2000, RGB of up to 16 bits in TIFF, "
     "and 8-bit grey, RGB, CMYK, palettes and transparency"
 )
+"""What is read without loss, for messages."""
 # tifffile tells in exceptions what matters, and then some in a log
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
@@ -55,14 +56,15 @@ def check_kind(header: Header, name: str, *, normalize: bool, hint: str) -> None
     """:class:`BadInput` for a kind of pixels that would lose bits or meaning, saying what is allowed."""
     kept = header.layout in _DEEP.get(header.format, ()) and header.number != "complex"
     if not header.plain and not kept:
-        raise BadInput(f"{name} is {_kind(header)}; allowed: {_ALLOWED}")
+        raise BadInput(f"{name} is {kind(header)}; allowed: {ALLOWED}")
     if (header.number != "unsigned" or header.bits > 16) and not normalize:
-        raise BadInput(f"{name} is {_kind(header)}; allowed: unsigned numbers of up to 16 bits{hint}")
+        raise BadInput(f"{name} is {kind(header)}; allowed: unsigned numbers of up to 16 bits{hint}")
     if header.format == "AVIF" and not ("avif" in features.modules and features.check("avif")):
         raise BadInput(f"{name} is AVIF, which needs Pillow 11.3 or newer; allowed here: PNG, JPEG, TIFF ...")
 
 
-def _kind(header: Header) -> str:
+def kind(header: Header) -> str:
+    """What a file is, for people."""
     return f"{header} ({header.format})"
 
 

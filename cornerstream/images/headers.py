@@ -131,7 +131,7 @@ def _jpeg(data: bytes) -> Header:
 
 
 def _tiff(data: bytes) -> Header:
-    tags = TiffImagePlugin.ImageFileDirectory_v2(data[:16] if 43 in data[2:4] else data[:8])
+    tags = TiffImagePlugin.ImageFileDirectory_v2(data[:16] if data[2] == 43 else data[:8])
     file = io.BytesIO(data)
     file.seek(tags.next)
     tags.load(file)
@@ -143,6 +143,7 @@ def _tiff(data: bytes) -> Header:
     layout = _TIFF_LAYOUTS.get(photometric, f"samples of photometric interpretation {photometric}")
     if channels > {"grey": 1, "palette": 1, "CMYK": 4}.get(layout, 3):
         layout += " with further samples"
+    _check_strips(tags)
     number = _NUMBERS.get(max(tag("SampleFormat", (1,))), "complex")
     if photometric == 0 and number != "unsigned":
         layout += " with white at zero"
@@ -154,6 +155,20 @@ def _tiff(data: bytes) -> Header:
         white_is_zero=photometric == 0,
         orientation=tag("Orientation", 1),
     )
+
+
+def _check_strips(tags: TiffImagePlugin.ImageFileDirectory_v2) -> None:
+    """Decoders leave black what no strip, or no tile, holds."""
+    width, height = (tags.get(_TAG[name], 0) for name in ("ImageWidth", "ImageLength"))
+    parts, across, down = "strips", width, tags.get(_TAG["RowsPerStrip"], height)
+    offsets = tags.get(_TAG["StripOffsets"], ())
+    if _TAG["TileOffsets"] in tags:
+        parts, across, down = "tiles", tags[_TAG["TileWidth"]], tags[_TAG["TileLength"]]
+        offsets = tags[_TAG["TileOffsets"]]
+    planes = tags.get(_TAG["SamplesPerPixel"], 1) if tags.get(_TAG["PlanarConfiguration"]) == 2 else 1
+    needed = -(-width // across) * -(-height // down) * planes
+    if len(offsets) < needed:
+        raise EOFError(f"it has {len(offsets)} {parts} of {needed}")
 
 
 def _pnm(data: bytes) -> Header:
@@ -210,7 +225,7 @@ _FORMATS: list[tuple[re.Pattern[bytes], Callable[[bytes], Header]]] = [
     for magic, read in (
         (rb"\x89PNG\r\n\x1a\n", _png),
         (rb"\xff\xd8\xff", _jpeg),
-        (rb"II[*+]\0|MM\0[*+]", _tiff),
+        (rb"II[*+]\0|MM\0\*", _tiff),
         (rb"P[1-6f]\s", _pnm),
         (rb"BM", _always_8_bits("BMP")),
         (rb"GIF8[79]a", _always_8_bits("GIF")),

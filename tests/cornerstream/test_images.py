@@ -10,12 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tifffile
 from PIL import Image, features
 
 from cornerstream.errors import BadInput
 from cornerstream.images import default_photograph, load
 from golden import Parameters
-from tests.image_files import bmp, by_pillow, chunk, exif, pgm, png
+from tests.image_files import bmp, by_pillow, chunk, exif, pgm, png, tiff
 
 PARAMETERS = Parameters(max_width=64, max_height=48)
 GRADIENT = (np.arange(30 * 40) % 256).astype(np.uint8).reshape(30, 40)
@@ -222,6 +223,37 @@ def test_floating_point_tiff_by_lzw(tmp_path: Path) -> None:
         return
     with pytest.raises(BadInput, match=r"only the package imagecodecs reads .*; allowed without it: "):
         load(path, PARAMETERS, normalize=True)
+
+
+@pytest.mark.parametrize("big", [False, True], ids=["plain", "big"])
+@pytest.mark.parametrize("deep", [False, True], ids=["8 bits", "16 bits"])
+def test_tiles(tmp_path: Path, deep: bool, big: bool) -> None:
+    picture = np.dstack([GRADIENT] * 3) * (np.uint16(257) if deep else np.uint8(1))
+    path = tmp_path / "tiles.tif"
+    tifffile.imwrite(path, picture, photometric="rgb", tile=(16, 32), bigtiff=big)
+    assert load(path, PARAMETERS).pixels.tolist() == GRADIENT.tolist()
+    whole = path.read_bytes()
+    offsets = struct.pack("<HHQ", 324, 16, 4) if big else struct.pack("<HHI", 324, 4, 4)
+    assert whole.count(offsets) == 1
+    path.write_bytes(whole.replace(offsets, offsets[:4] + b"\3" + offsets[5:]))
+    with pytest.raises(BadInput, match="damaged: it has 3 tiles of 4"):
+        load(path, PARAMETERS)
+
+
+@pytest.mark.parametrize("layout", ["chunky", "planar"])
+def test_tiff_that_lacks_a_strip(tmp_path: Path, layout: str) -> None:
+    planar = layout == "planar"
+    picture = np.dstack([GRADIENT] * 3) if planar else GRADIENT
+    whole = tiff(picture, 8, 2 if planar else 1, planar=planar, strips=3)
+    path = tmp_path / "strips.tif"
+    path.write_bytes(whole)
+    assert load(path, PARAMETERS).pixels.tolist() == GRADIENT.tolist()
+    strips = 9 if planar else 3
+    heading = struct.pack("<HHI", 273, 4, strips)
+    assert whole.count(heading) == 1
+    path.write_bytes(whole.replace(heading, struct.pack("<HHI", 273, 4, strips - 1)))
+    with pytest.raises(BadInput, match=f"damaged: it has {strips - 1} strips of {strips}"):
+        load(path, PARAMETERS)
 
 
 def test_colour_space_that_is_not_known(tmp_path: Path) -> None:

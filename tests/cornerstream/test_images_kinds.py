@@ -16,7 +16,8 @@ from PIL import features
 from cornerstream.errors import BadInput
 from cornerstream.images import Photograph, load
 from golden import Parameters
-from tests.image_cases import CASES, NORMALIZED, REFUSED, USED, Case, table
+from tests.image_case import NORMALIZED, REFUSED, USED, Case
+from tests.image_cases import CASES, table
 from tests.image_files import chunk, exif
 
 PAGE = Path(__file__).parents[2] / "docs" / "inputs.md"
