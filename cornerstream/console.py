@@ -18,6 +18,7 @@ from rich.progress import (
 )
 from rich.table import Table
 
+from cornerstream.errors import printable
 from cornerstream.images import Photograph
 
 # names that users give are no markup
@@ -35,7 +36,7 @@ def remarks(photograph: Photograph) -> None:
 def say(line: str) -> None:
     """A line for the user that is no result: where nobody can read it, all else goes on."""
     with suppress(OSError):
-        click.echo(line, err=True)
+        click.echo(printable(line), err=True)
 
 
 def files_written(paths: list[Path]) -> None:

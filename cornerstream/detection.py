@@ -12,7 +12,7 @@ from rich.table import Table
 from cornerstream import console
 from cornerstream.about import about
 from cornerstream.errors import bad_input
-from cornerstream.files import corners_json, prepare_folder, write_results
+from cornerstream.files import check_distinct, corners_json, prepare_folder, result_paths, write_results
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.images import load
 from cornerstream.options import (
@@ -26,7 +26,7 @@ from cornerstream.options import (
     settings_from,
     threshold_options,
 )
-from golden import Corners, detection
+from golden import Corners, Settings, detection
 from golden.checks import check_distance
 
 
@@ -66,9 +66,14 @@ def detect(
     parameters = parameters_from(options, hardware=False)
     settings = settings_from(options, parameters)
     aimed = settings.target_corners > 0 and parameters.texture == "mean"
+    unusual = settings.constant != Settings.default(parameters).constant
     refuse_idle(
         Idle("reference", aimed, "without --target-corners, or with --texture patches"),
-        Idle("constant", aimed or settings.reference != "constant", "with --reference constant"),
+        Idle(
+            "constant",
+            unusual and (aimed or settings.reference != "constant"),
+            "with --reference constant",
+        ),
     )
     with bad_input():
         check_distance("min_distance", min_distance)
@@ -77,6 +82,7 @@ def detect(
     if output is None and not as_json:
         output = Path("build")
     if output is not None:
+        check_distinct(image, *result_paths(output))
         prepare_folder(output)
     found = detection(photograph.pixels, parameters, settings)
     corners = found.corners.apart(min_distance)

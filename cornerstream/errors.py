@@ -10,6 +10,11 @@ from typing import IO, Any
 import click
 
 
+def printable(text: str) -> str:
+    """The text on one line: names of files may hold line breaks, and bytes that are no text."""
+    return "".join(char if char.isprintable() else char.encode("unicode_escape").decode() for char in text)
+
+
 class Ended(click.ClickException):
     """What ends a command: one line on stderr, if anybody listens there, and an exit code."""
 
@@ -22,6 +27,9 @@ class BadInput(Ended):
     """Something the user gave cannot be used; the message names it and what is allowed. Exit code 2."""
 
     exit_code = 2
+
+    def __init__(self, message: str) -> None:
+        super().__init__(printable(message))
 
 
 class Failed(Ended):

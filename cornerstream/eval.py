@@ -14,7 +14,7 @@ from cornerstream.errors import BadInput, one_line
 from cornerstream.eval_tables import TABULATED, tables
 from cornerstream.files import prepare_folder, read_figures, write_all
 from cornerstream.idle import Idle, refuse_idle
-from cornerstream.options import output_option
+from cornerstream.options import GIVEN_PATH, output_option
 from cornerstream.own_data import load_boards, load_images, load_pairs, load_video
 from cornerstream.tools import running_tools
 from evaluation.packages import MissingPackageError
@@ -23,8 +23,6 @@ from evaluation.plots import plots
 from evaluation.study import NOT_QUICK, SECTIONS, Own, Record, Section, check_packages, study
 from evaluation.study_page import FIGURES_NAME, PAGE_NAME, PICTURES, page
 from golden import PROFILES, Parameters
-
-_PATH = click.Path(path_type=Path)
 
 
 @click.command("eval", short_help="Accuracy, repeatability, robustness.")
@@ -49,21 +47,27 @@ _PATH = click.Path(path_type=Path)
     help="Measure this profile only; may be given again.  [default: all]",
 )
 @click.option(
-    "--images", type=_PATH, metavar="DIR", help="Photographs to render views of, instead of packaged ones."
+    "--images",
+    type=GIVEN_PATH,
+    metavar="DIR",
+    help="Photographs to render views of, instead of packaged ones.",
 )
 @click.option(
-    "--pairs", type=_PATH, metavar="DIR", help="Images and homographies H_1_2.txt: x2 ~ H x1, as HPatches."
+    "--pairs",
+    type=GIVEN_PATH,
+    metavar="DIR",
+    help="Images and homographies H_1_2.txt: x2 ~ H x1, as HPatches.",
 )
 @click.option(
     "--video",
     "videos",
-    type=_PATH,
+    type=GIVEN_PATH,
     multiple=True,
     metavar="FILE",
     help="Instead of packaged ones: a video or a folder of frames; may be given again.",
 )
 @click.option(
-    "--boards", type=_PATH, metavar="DIR", help="Photographs of chessboards, besides the rendered ones."
+    "--boards", type=GIVEN_PATH, metavar="DIR", help="Photographs of chessboards, besides the rendered ones."
 )
 @click.option(
     "--board-size", metavar="COLUMNSxROWS", help="Their inner corners.  [default: common sizes are tried]"
@@ -105,8 +109,8 @@ def evaluate(
         raise BadInput("matplotlib is not installed; get it with: pip install 'cornerstream[eval]'")
     if page_only:
         folder = output or Path("docs")
-        files = _page(read_figures(folder / FIGURES_NAME), folder)
-        write_all(files)
+        files = read_figures(folder / FIGURES_NAME, lambda figures: _page(figures, folder))
+        _write_files(files)
         console.files_written(list(files))
         return
     chosen = {name: PROFILES[name] for name in profiles or PROFILES}
@@ -184,8 +188,6 @@ def _refuse_idle(
 def _page(result: Record, folder: Path) -> dict[Path, bytes]:
     files = {folder / PAGE_NAME: page(result).encode()}
     drawn = plots(result)
-    if drawn:
-        prepare_folder(folder / PICTURES)
     return files | {folder / PICTURES / name: content for name, content in drawn.items()}
 
 
@@ -198,8 +200,14 @@ def _write(result: Record, folder: Path, chosen: dict[str, Parameters]) -> None:
         with console.activity("drawing pictures"):
             drawn = pictures(chosen)
         files |= {folder / PICTURES / name: content for name, content in drawn.items()}
-    write_all(files)
+    _write_files(files)
     console.files_written([*figures, *files])
+
+
+def _write_files(files: dict[Path, bytes]) -> None:
+    for folder in {path.parent for path in files}:
+        prepare_folder(folder)
+    write_all(files)
 
 
 def figures_text(result: Record) -> str:

@@ -8,19 +8,22 @@ import json
 import os
 import shutil
 import stat
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from click import ClickException
+from jinja2 import UndefinedError
 from numpy.typing import NDArray
 
 from cornerstream.errors import BadInput, Failed, reason
 from cornerstream.picture import draw_corners
 from golden import Corners
+
+Made = TypeVar("Made")
 
 CSV_NAME = "corners.csv"
 PICTURE_NAME = "corners.png"
@@ -49,12 +52,9 @@ def write_results(folder: Path, pixels: NDArray[np.uint8], corners: Corners) -> 
     """Write corners.csv and corners.png; returns their paths."""
     picture = io.BytesIO()
     draw_corners(pixels, corners).save(picture, format="PNG", optimize=True)
-    contents = {
-        folder / CSV_NAME: corners.to_csv().encode(),
-        folder / PICTURE_NAME: picture.getvalue(),
-    }
-    write_all(contents)
-    return list(contents)
+    paths = result_paths(folder)
+    write_all(dict(zip(paths, (corners.to_csv().encode(), picture.getvalue()), strict=True)))
+    return paths
 
 
 def prepare_file(path: Path) -> None:
@@ -69,6 +69,20 @@ def prepare_file(path: Path) -> None:
 def _refuse_folder(path: Path) -> None:
     if path.is_dir():
         raise _cannot_write(path, IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR)))
+
+
+def check_distinct(*paths: Path | None) -> None:
+    """:class:`BadInput` if two of these are one and the same file, whatever they are called; None is no file."""
+    seen: dict[str, Path] = {}
+    for path in filter(None, paths):
+        same = seen.setdefault(os.path.realpath(path), path)
+        if same is not path:
+            raise BadInput(f"{path} and {same} are one file; allowed: a file of its own for each")
+
+
+def result_paths(folder: Path) -> list[Path]:
+    """Where :func:`write_results` writes."""
+    return [folder / CSV_NAME, folder / PICTURE_NAME]
 
 
 def write_all(contents: Mapping[Path, bytes]) -> None:
@@ -139,14 +153,19 @@ def _cannot_write(path: Path, error: OSError) -> ClickException:
     return BadInput(f"{text}; allowed: a file that can be written")
 
 
-def read_figures(path: Path) -> dict[str, Any]:
-    """What was measured before; :class:`BadInput` if there is none."""
+def read_figures(path: Path, make: Callable[[dict[str, Any]], Made]) -> Made:
+    """What is made of figures that were measured before; :class:`BadInput` if there are none, or others."""
+    allowed = "allowed: what was measured before"
     try:
-        return dict(json.loads(path.read_text(encoding="utf-8")))
+        figures = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise BadInput(f"cannot read {path}: {reason(error)}; allowed: what was measured before") from error
+        raise BadInput(f"cannot read {path}: {reason(error)}; {allowed}") from error
     except ValueError as error:
-        raise BadInput(f"{path} is no JSON; allowed: what was measured before") from error
+        raise BadInput(f"{path} is no JSON; {allowed}") from error
+    try:
+        return make(figures)
+    except (AttributeError, LookupError, TypeError, ValueError, UndefinedError) as error:
+        raise BadInput(f"{path} has other figures than the page shows; {allowed}") from error
 
 
 def earlier_files(folder: Path, manifest: str, what: str, *, force: bool) -> set[str]:

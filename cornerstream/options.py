@@ -40,6 +40,21 @@ _PLAIN = Parameters()
 _USUAL = Settings()
 
 
+class _GivenPath(click.Path):
+    """A path that was typed; an empty one, such as a shell variable that is not set leaves, is none."""
+
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if value == "":
+            self.fail("the path is empty; allowed: that of a file or folder", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+GIVEN_PATH = _GivenPath()
+
+
 def _together(*options: Callable[[Command], Command]) -> Callable[[Command], Command]:
     def decorate(command: Command) -> Command:
         for option in reversed(options):
@@ -195,7 +210,7 @@ json_option = click.option(
     help="Print one JSON object instead of a table; docs/json.md lists its keys.",
 )
 
-image_argument = click.argument("image", type=click.Path(path_type=Path))
+image_argument = click.argument("image", type=GIVEN_PATH)
 
 
 def output_option(default: str | None, text: str) -> Callable[[Command], Command]:
@@ -203,7 +218,7 @@ def output_option(default: str | None, text: str) -> Callable[[Command], Command
     return click.option(
         "--output",
         "-o",
-        type=click.Path(path_type=Path),
+        type=GIVEN_PATH,
         metavar="DIR",
         default=default,
         show_default=default is not None,

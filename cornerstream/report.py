@@ -12,6 +12,7 @@ from rich.table import Table
 
 from cornerstream import console
 from cornerstream.errors import BadInput, Failed, one_line
+from cornerstream.options import GIVEN_PATH
 from flow.quartus.summaries import QuartusReport, ReportError, read_report
 
 
@@ -19,7 +20,7 @@ from flow.quartus.summaries import QuartusReport, ReportError, read_report
 @click.option(
     "--quartus",
     "folder",
-    type=click.Path(path_type=Path),
+    type=GIVEN_PATH,
     default="build/quartus",
     show_default=True,
     metavar="DIR",

@@ -17,10 +17,11 @@ from rich.table import Table
 from cornerstream import console
 from cornerstream.about import about
 from cornerstream.errors import BadInput, Failed, bad_input
-from cornerstream.files import prepare_file, prepare_folder, write_results
+from cornerstream.files import check_distinct, prepare_file, prepare_folder, result_paths, write_results
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.images import default_photograph, load
 from cornerstream.options import (
+    GIVEN_PATH,
     detector_options,
     json_option,
     normalize_option,
@@ -73,7 +74,7 @@ class Run:
 
 
 @click.command(short_help="Simulated hardware on an image.")
-@click.argument("image", type=click.Path(path_type=Path), required=False)
+@click.argument("image", type=GIVEN_PATH, required=False)
 @click.option(
     "--frames",
     type=click.IntRange(min=1),
@@ -108,7 +109,7 @@ class Run:
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the random pauses.")
 @click.option(
     "--vcd",
-    type=click.Path(path_type=Path),
+    type=GIVEN_PATH,
     metavar="FILE",
     help="Write waves, several kilobytes per clock, and beside them a list of the signals worth seeing for "
     "GTKWave (FILE with .gtkw): pixels, responses, thresholds, candidates and decoded records.",
@@ -149,6 +150,7 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: 
     _check_tools(run.engine)
     if output is None and not as_json:
         output = Path("build")
+    check_distinct(image, run.vcd, *(result_paths(output) if output else ()))
     if output is not None:
         prepare_folder(output)
     for path in (run.vcd, save_path(run.vcd)) if run.vcd else ():

@@ -11,9 +11,10 @@ import click
 from rich.table import Table
 
 from cornerstream import console
-from cornerstream.files import prepare_file, write_all
+from cornerstream.files import check_distinct, prepare_file, write_all
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import (
+    GIVEN_PATH,
     detector_options,
     edge_options,
     interface_option,
@@ -39,10 +40,8 @@ _STAND_IN = "nextpnr for ECP5 -6 stands in for Quartus, whose delays no free too
 @edge_options
 @click.option("--no-timing", is_flag=True, help="Leave place and route out, which takes minutes.")
 @click.option("--seed", type=click.IntRange(min=1), default=1, show_default=True, help="Of the placement.")
-@click.option("--netlist", type=click.Path(path_type=Path), metavar="FILE", help="Write the mapped Verilog.")
-@click.option(
-    "--plot", type=click.Path(path_type=Path), metavar="FILE", help="Draw area by block: .png, .svg or .pdf."
-)
+@click.option("--netlist", type=GIVEN_PATH, metavar="FILE", help="Write the mapped Verilog.")
+@click.option("--plot", type=GIVEN_PATH, metavar="FILE", help="Draw area by block: .png, .svg or .pdf.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def synth(
     no_timing: bool,
@@ -68,6 +67,7 @@ def synth(
       cornerstream synth --no-timing --plot build/area.png --netlist build/netlist.v
     """
     parameters = parameters_from({"profile": profile, "interface": interface, **options}, hardware=True)
+    check_distinct(netlist, plot)
     refuse_idle(Idle("seed", no_timing, "without --no-timing"))
     with running_tools():
         tools = {name: require(name) for name in _packages(no_timing)}

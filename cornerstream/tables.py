@@ -53,13 +53,15 @@ def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool
     folder = output if output is not None else CACHE if quick else Path("docs")
     if not page_only:
         _check_tools(synthesis=not no_synthesis, place=not (no_synthesis or quick))
-    prepare_folder(folder)
     if page_only:
-        figures, files = read_figures(folder / FIGURES_NAME), {}
+        files = {folder / PAGE_NAME: read_figures(folder / FIGURES_NAME, page).encode()}
     else:
+        prepare_folder(folder)
         figures = _measure(quick=quick, synthesis=not no_synthesis, jobs=jobs)
-        files = {folder / FIGURES_NAME: (json.dumps(figures, indent=1) + "\n").encode()}
-    files[folder / PAGE_NAME] = page(figures).encode()
+        files = {
+            folder / FIGURES_NAME: (json.dumps(figures, indent=1) + "\n").encode(),
+            folder / PAGE_NAME: page(figures).encode(),
+        }
     write_all(files)
     console.files_written(list(files))
 

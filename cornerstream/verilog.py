@@ -12,6 +12,7 @@ from cornerstream import console
 from cornerstream.errors import bad_input
 from cornerstream.files import prepare_file, write_all
 from cornerstream.options import (
+    GIVEN_PATH,
     detector_options,
     edge_options,
     interface_option,
@@ -28,7 +29,7 @@ from hdl.edges import Interface
 @detector_options
 @pixel_bits_option
 @edge_options
-@click.option("--output", "-o", type=click.Path(path_type=Path), metavar="FILE", help="Default: stdout.")
+@click.option("--output", "-o", type=GIVEN_PATH, metavar="FILE", help="Default: stdout.")
 def verilog(output: Path | None, interface: Interface, **options: Any) -> None:
     """Write the core as Verilog-2001, one file, top module 'cornerstream'.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import shutil
 import subprocess
 import sys
 from importlib.machinery import ModuleSpec
@@ -31,6 +32,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "empty.png").touch()
     (tmp_path / "folder.png").mkdir()
     (tmp_path / "folder.vcd").mkdir()
+    os.mkfifo(tmp_path / "pipe.vcd")
+    (tmp_path / "kept").mkdir()
+    shutil.copy(tmp_path / "good.png", tmp_path / "kept" / "corners.png")
+    (tmp_path / "link.png").symlink_to("kept/corners.png")
+    for name, text in (("none", "3"), ("empty", "{}"), ("other", '{"builds": 3, "about": {}}')):
+        (tmp_path / name).mkdir()
+        for figures in ("comparison.json", "evaluation.json"):
+            (tmp_path / name / figures).write_text(text)
     (tmp_path / "cut.png").write_bytes((tmp_path / "good.png").read_bytes()[:300])
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -147,7 +156,8 @@ def test_distance(folder: Path, value: str) -> None:
         ("--vcd-clocks", "0", ["--vcd-clocks", "0 is not in the range x>=1"]),
         ("--vcd", "good.png/waves.vcd", ["good.png: File exists", "allowed: a folder that can be written"]),
         ("--vcd", "waves.gtkw", ["'waves.gtkw'", "allowed: a file whose name ends in .vcd"]),
-        ("--vcd", "", ["allowed: a file whose name ends in .vcd"]),
+        ("--vcd", "", ["'--vcd'", "the path is empty; allowed: that of a file or folder"]),
+        ("--vcd", "pipe.vcd", ["'pipe.vcd'", "allowed: a file whose name ends in .vcd"]),
         ("--vcd", "folder.vcd", ["'folder.vcd'", "allowed: a file whose name ends in .vcd"]),
         ("--constant", "0", ["constant is 0; allowed: whole numbers from 1 to 65026"]),
     ],
@@ -170,6 +180,57 @@ def test_option_of_simulate(folder: Path, option: str, value: str, parts: list[s
 def test_verilog(folder: Path, arguments: list[str], parts: list[str]) -> None:
     before = listing(folder)
     check(run("verilog", "--max-width", "32", "--max-height", "32", *arguments), *parts)
+    assert listing(folder) == before
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *(f"{command} good.png -o <>" for command in ("detect", "simulate")),
+        *(f"{command} -o <>" for command in ("detect good.png", "verilog", "package", "export", "tables")),
+        *("detect <>", "simulate <>", "report --quartus <>", "eval -o <>", "eval --images <>"),
+        *("eval --boards <>", "eval --pairs <>", "eval --video <>"),
+        *("synth --no-timing --netlist <>", "synth --no-timing --plot <>"),
+    ],
+)
+def test_empty_path(folder: Path, line: str) -> None:
+    before = listing(folder)
+    check(run(*("" if word == "<>" else word for word in line.split())), "the path is empty; allowed: that")
+    assert listing(folder) == before
+
+
+ONE = "are one file; allowed: a file of its own for each"
+
+
+@pytest.mark.parametrize(
+    ("line", "part"),
+    [
+        ("detect kept/corners.png -o kept", f"kept/corners.png and kept/corners.png {ONE}"),
+        ("detect link.png -o kept", f"kept/corners.png and link.png {ONE}"),
+        ("simulate link.png -o ./kept --engine amaranth", f"kept/corners.png and link.png {ONE}"),
+        ("synth --no-timing --netlist a.png --plot folder.png/../a.png", f"a.png {ONE}"),
+    ],
+)
+def test_one_file_for_two_things(folder: Path, line: str, part: str) -> None:
+    before, picture = listing(folder), (folder / "kept" / "corners.png").read_bytes()
+    check(run(*line.split()), part)
+    assert listing(folder) == before and (folder / "kept" / "corners.png").read_bytes() == picture
+
+
+@pytest.mark.parametrize("command", ["tables", "eval"])
+@pytest.mark.parametrize(
+    ("place", "part"),
+    [
+        ("none", "has other figures than the page shows; allowed: what was measured before"),
+        ("empty", "has other figures than the page shows"),
+        ("other", "has other figures than the page shows"),
+        ("new", "cannot read new/"),
+        ("line\nbreak", "cannot read line\\nbreak/"),
+    ],
+)
+def test_page_of_no_figures(folder: Path, command: str, place: str, part: str) -> None:
+    before = listing(folder)
+    check(run(command, "--page", "-o", place), part)
     assert listing(folder) == before
 
 

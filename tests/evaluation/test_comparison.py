@@ -298,6 +298,8 @@ def test_command_measures_what_is_asked_for(
 def test_command_on_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert "cannot read empty/comparison.json" in run("--page", "-o", "empty", code=2).stderr
+    assert not Path("empty").exists()
+    Path("empty").mkdir()
     Path("empty/comparison.json").write_text("{")
     assert "empty/comparison.json is no JSON" in run("--page", "-o", "empty", code=2).stderr
 
