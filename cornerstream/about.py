@@ -14,7 +14,6 @@ def about(photograph: Photograph, profile: str, parameters: Parameters, settings
     height, width = photograph.pixels.shape
     return {
         "image": photograph.name,
-        "remarks": list(photograph.remarks),
         "width": width,
         "height": height,
         "remarks": list(photograph.remarks),

@@ -150,7 +150,7 @@ def test_taken(line: str) -> None:
         ("eval --quick --json", "accuracy table5 chessboards repeatability robustness texture"),
         (
             "eval --json",
-            "accuracy table5 chessboards repeatability robustness texture adaptation word_lengths",
+            "accuracy table5 chessboards repeatability robustness texture adaptation references word_lengths",
         ),
     ],
 )
