@@ -27,11 +27,11 @@ from sim.ports import Ports
 _INSIDE = (
     ("responses", "response", "o"),
     ("thresholds", "thresholds", "thresholds"),
-    ("largest response", "thresholds", "maximum"),
+    ("largest response", "thresholds", "largest"),
     ("candidates", "candidate selection", "note"),
     ("candidates' derivatives", "candidate selection", "candidate"),
 )
-"""Streams between the detector's blocks: a title, the block, and its member."""
+"""Streams and plain signals between the detector's blocks: a title, the block, and its member."""
 _ENDS = {"i": "pixels", "o": "records"}
 """Titles of the detector's own streams."""
 
@@ -79,7 +79,7 @@ def views(component: wiring.Component, ports: Ports) -> list[View]:
     """What is worth seeing of a component: its streams, those inside if it is a detector, and its plain inputs."""
     blocks = getattr(component, "blocks", {})
     inside = [
-        _stream(title, block.replace(" ", "_"), name, getattr(blocks[block], name))
+        _member(title, block.replace(" ", "_"), name, getattr(blocks[block], name))
         for title, block, name in _INSIDE
         if block in blocks
     ]
@@ -92,6 +92,12 @@ def views(component: wiring.Component, ports: Ports) -> list[View]:
     )
     levels = {level.name: Value.cast(getattr(component, level.name)) for level in ports.levels}
     return [*ins, *inside, *outs, *([View("inputs", "", levels)] if levels else [])]
+
+
+def _member(title: str, module: str, name: str, member: Any) -> View:
+    if hasattr(member, "payload"):
+        return _stream(title, module, name, member)
+    return View(title, module, {name: Value.cast(member)})
 
 
 def _stream(title: str, module: str, name: str, stream: Any) -> View:
