@@ -15,11 +15,10 @@ from tempfile import NamedTemporaryFile
 from typing import Any, TypeVar
 
 import numpy as np
-from click import ClickException
 from jinja2 import UndefinedError
 from numpy.typing import NDArray
 
-from cornerstream.errors import BadInput, Failed, reason
+from cornerstream.errors import BadInput, reason
 from cornerstream.picture import draw_corners
 from golden import Corners
 
@@ -96,7 +95,7 @@ def write_all(contents: Mapping[Path, bytes]) -> None:
         _refuse_folder(path)
     through = [path for path in contents if _is_written_through(path)]
     try:
-        for path in contents.keys() - set(through):
+        for path in (path for path in contents if path not in through):
             target = _target(path)
             with NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}-", delete=False) as file:
                 temporary[target] = Path(file.name)
@@ -146,11 +145,8 @@ def _write_through(path: Path, content: bytes) -> None:
         file.write(content)
 
 
-def _cannot_write(path: Path, error: OSError) -> ClickException:
-    text = f"cannot write {path}: {reason(error)}"
-    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
-        return Failed(text)
-    return BadInput(f"{text}; allowed: a file that can be written")
+def _cannot_write(path: Path, error: OSError) -> BadInput:
+    return BadInput(f"cannot write {path}: {reason(error)}; allowed: a file that can be written")
 
 
 def read_figures(path: Path, make: Callable[[dict[str, Any]], Made]) -> Made:
