@@ -42,3 +42,20 @@ def check_distance(name: str, value: object) -> None:
     """Raise ``ValueError`` naming the argument, its value and what is allowed, unless it is a distance in pixels."""
     if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) < inf:
         raise ValueError(f"{name} is {value!r}; allowed: numbers of pixels from 0")
+
+
+def plain_integer(frozen: object, field: str, low: int, high: int) -> None:
+    """:func:`check_integer` of a frozen dataclass's field, which becomes Python's own integer."""
+    value = getattr(frozen, field)
+    check_integer(field, value, low, high)
+    object.__setattr__(frozen, field, int(value))
+
+
+def check_fraction(field: str, value: object, limit: int, bits: int) -> None:
+    """Raise ``ValueError`` unless it is 0, or below the limit and no less than rounds to 2**-bits."""
+    # written so that NaN fails too
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) < limit:
+        raise ValueError(f"{field} is {value!r}; allowed: 0 <= {field} < {limit}")
+    if float(value) > 0 and round(float(value) * (1 << bits)) == 0:
+        step = f"1/{1 << bits}"
+        raise ValueError(f"{field} is {value!r}, less than half of {step}; allowed: 0, or {step} and more")

@@ -6,10 +6,9 @@ Number formats are derived here and nowhere else, so that the two cannot drift a
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from numbers import Real
 from typing import Any, Literal
 
-from golden.checks import check_choice, check_integer, check_switch, check_type
+from golden.checks import check_choice, check_fraction, check_integer, check_switch, check_type, plain_integer
 
 Gradient = Literal["absolute", "signed"]
 Derivative = Literal["central", "sobel"]
@@ -54,21 +53,6 @@ OPTIONS = frozenset({"derivative", "response_filter", "texture", "suppression", 
 """Fields of ``Parameters`` that go without mention where they have their default."""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
 MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10
-
-
-def _plain_integer(frozen: object, field: str, low: int, high: int) -> None:
-    value = getattr(frozen, field)
-    check_integer(field, value, low, high)
-    object.__setattr__(frozen, field, int(value))
-
-
-def _check_fraction(field: str, value: object, limit: int) -> None:
-    # written so that NaN fails too
-    if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) < limit:
-        raise ValueError(f"{field} is {value!r}; allowed: 0 <= {field} < {limit}")
-    if float(value) > 0 and round(float(value) * (1 << SIGMA_BITS)) == 0:
-        step = f"1/{1 << SIGMA_BITS}"
-        raise ValueError(f"{field} is {value!r}, less than half of {step}; allowed: 0, or {step} and more")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,7 +145,7 @@ class Parameters:
             ("queue_depth", 8, 1024),
             ("suppression", 1, MAX_SUPPRESSION),
         ):
-            _plain_integer(self, field, low, high)
+            plain_integer(self, field, low, high)
         for field in ("video_out", "autostart", "budget"):
             check_switch(field, getattr(self, field))
         check_choice("gradient", self.gradient, Gradient)
@@ -297,16 +281,16 @@ class Settings:
     smoothing: int = 0
 
     def __post_init__(self) -> None:
-        _check_fraction("sigma1", self.sigma1, 1)
-        _check_fraction("sigma2", self.sigma2, 1 << SIGMA2_INTEGER_BITS)
+        check_fraction("sigma1", self.sigma1, 1, SIGMA_BITS)
+        check_fraction("sigma2", self.sigma2, 1 << SIGMA2_INTEGER_BITS, SIGMA_BITS)
         check_choice("reference", self.reference, Reference)
         # how large they may be depends on the detector: see check()
         largest = Parameters(pixel_bits=MAX_PIXEL_BITS, gradient="signed").response_max
-        _plain_integer(self, "constant", 1, largest)
-        _plain_integer(self, "floor", 1, largest)
+        plain_integer(self, "constant", 1, largest)
+        plain_integer(self, "floor", 1, largest)
         check_switch("report_rejected", self.report_rejected)
         for field, bits in BUDGET_SETTINGS.items():
-            _plain_integer(self, field, 0, (1 << bits) - 1)
+            plain_integer(self, field, 0, (1 << bits) - 1)
 
     @classmethod
     def default(cls, parameters: Parameters, **changes: Any) -> Settings:
