@@ -19,9 +19,15 @@ from sim.compiler import find_compiler
     type=click.IntRange(min=1),
     default=15,
     show_default=True,
-    help="Of the golden model and OpenCV.",
+    help="How often the golden model and OpenCV are timed.",
 )
-@click.option("--turns", type=click.IntRange(min=1), default=3, show_default=True, help="Of the simulations.")
+@click.option(
+    "--turns",
+    type=click.IntRange(min=1),
+    default=3,
+    show_default=True,
+    help="How often each simulation is timed.",
+)
 @click.option("--no-engines", is_flag=True, help="Leave the simulations out.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
 def bench(repeats: int, turns: int, no_engines: bool, as_json: bool) -> None:

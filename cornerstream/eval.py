@@ -50,13 +50,13 @@ from golden import PROFILES, Parameters
     "--images",
     type=GIVEN_PATH,
     metavar="DIR",
-    help="Photographs to render views of, instead of packaged ones.",
+    help="Photographs to render views of, instead of packaged ones: for repeatability, robustness and texture.",
 )
 @click.option(
     "--pairs",
     type=GIVEN_PATH,
     metavar="DIR",
-    help="Images and homographies H_1_2.txt: x2 ~ H x1, as HPatches.",
+    help="Images and homographies H_1_2.txt: x2 ~ H x1, as HPatches. For the same.",
 )
 @click.option(
     "--video",
@@ -64,13 +64,18 @@ from golden import PROFILES, Parameters
     type=GIVEN_PATH,
     multiple=True,
     metavar="FILE",
-    help="Instead of packaged ones: a video or a folder of frames; may be given again.",
+    help="A video or a folder of frames, instead of packaged ones: for robustness and texture; may be given again.",
 )
 @click.option(
-    "--boards", type=GIVEN_PATH, metavar="DIR", help="Photographs of chessboards, besides the rendered ones."
+    "--boards",
+    type=GIVEN_PATH,
+    metavar="DIR",
+    help="Photographs of chessboards, besides the rendered ones: for chessboards.",
 )
 @click.option(
-    "--board-size", metavar="COLUMNSxROWS", help="Their inner corners.  [default: common sizes are tried]"
+    "--board-size",
+    metavar="COLUMNSxROWS",
+    help="Inner corners of --boards, as 9x6.  [default: common sizes are tried]",
 )
 @output_option(None, f"Folder for {PAGE_NAME}, {FIGURES_NAME} and pictures.  [default: no files]")
 @click.option(

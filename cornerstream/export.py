@@ -19,7 +19,14 @@ from flow.quartus.project import DEVICE, MANIFEST, project_files
 @output_option("build/quartus", "Folder of the project.")
 @detector_options
 @pixel_bits_option
-@click.option("--clock", type=float, default=100.0, show_default=True, metavar="MHZ", help="Clock asked for.")
+@click.option(
+    "--clock",
+    type=float,
+    default=100.0,
+    show_default=True,
+    metavar="MHZ",
+    help="Clock frequency that Quartus is asked to reach.",
+)
 @click.option("--force", is_flag=True, help="Write into a folder that holds other files, too.")
 def export(output: Path, clock: float, force: bool, **options: Any) -> None:
     """Write the core as a Quartus project: Verilog, settings, constraints, and a script that compiles it.

@@ -88,17 +88,37 @@ _choices = _together(
         type=click.Choice(list(PROFILES)),
         default="paper",
         show_default=True,
-        help="Named set of the choices below.",
+        help="Sets the choices below: paper, as the paper prints them, misprints aside; or robust, as "
+        "measurements say is better.",
     ),
-    _choice("--gradient", Gradient, "Keep the sign of gx·gy, or not, as the paper."),
     _choice(
-        "--derivative", Derivative, "Differences of neighbours as the paper, or smoothed across by Sobel."
+        "--gradient",
+        Gradient,
+        "Product of the gradients: of their sizes, as the paper has it, or with its sign.",
     ),
-    _choice("--response-filter", ResponseFilter, "Smooth D before its peaks are looked for, or not."),
+    _choice(
+        "--derivative",
+        Derivative,
+        "Gradients: differences of two neighbours, as the paper has it, or Sobel's, smoothed across.",
+    ),
+    _choice(
+        "--response-filter",
+        ResponseFilter,
+        "Look for peaks in the response D as it is, or smoothed by [1 2 1] / 4 in x and y.",
+    ),
     _choice("--ties", Ties, "Of two equal neighbouring responses: neither is a corner, or the first."),
-    _choice("--fit", Fit, "Subpixel surface; 'printed' is the paper's misprint (golden model only)."),
-    _choice("--texture", Texture, "Texture filter: the paper's patches, or a threshold by the local mean."),
-    _choice("--patches", Patches, "Patches of the texture filter: 3x3 regions or single pixels."),
+    _choice(
+        "--fit",
+        Fit,
+        "Subpixel step: a surface through nine or six responses, or along the gradients; 'printed' is the paper's "
+        "misprint (golden model only).",
+    ),
+    _choice(
+        "--texture",
+        Texture,
+        "Texture filter: the paper's patches, or a threshold that rises with the local mean of D.",
+    ),
+    _choice("--patches", Patches, "With --texture patches: these are of 3x3 regions, or of single pixels."),
     click.option(
         "--suppression",
         type=int,
@@ -108,8 +128,16 @@ _choices = _together(
     ),
 )
 _hardware = _together(
-    click.option("--budget", is_flag=True, help="With --max-corners and --target-corners, for run time."),
-    _choice("--buffering", Buffering, "Line buffers: N+1 banks as the paper, or N-1 rows."),
+    click.option(
+        "--budget",
+        is_flag=True,
+        help="Build what --max-corners, --target-corners and --reference-rank set at run time.",
+    ),
+    _choice(
+        "--buffering",
+        Buffering,
+        "Line buffers of an NxN window: N+1 memories, as the paper has it, or N-1, with less delay.",
+    ),
 )
 _size = _together(
     click.option(
@@ -117,14 +145,14 @@ _size = _together(
         type=int,
         default=_PLAIN.max_width,
         show_default=True,
-        help="Built maximum.",
+        help="Widest frame that the hardware is built for, and the widest image that is taken.",
     ),
     click.option(
         *("--max-height", "--height"),
         type=int,
         default=_PLAIN.max_height,
         show_default=True,
-        help="Built maximum.",
+        help="Highest frame, likewise.",
     ),
 )
 
@@ -160,8 +188,16 @@ def interface_option(default: Interface) -> Callable[[Command], Command]:
 
 
 edge_options = _together(
-    click.option("--video-out", is_flag=True, help="Pass the pixels on, with corners marked (AXI only)."),
-    click.option("--autostart", is_flag=True, help="Start enabled: for designs that write no register."),
+    click.option(
+        "--video-out",
+        is_flag=True,
+        help="Pass the pixels on, too, with corners marked; with --interface axi only.",
+    ),
+    click.option(
+        "--autostart",
+        is_flag=True,
+        help="Start enabled, for designs that write no register; with --interface axi or avalon.",
+    ),
 )
 
 threshold_options = _together(

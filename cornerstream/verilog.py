@@ -29,7 +29,7 @@ from hdl.edges import Interface
 @detector_options
 @pixel_bits_option
 @edge_options
-@click.option("--output", "-o", type=GIVEN_PATH, metavar="FILE", help="Default: stdout.")
+@click.option("--output", "-o", type=GIVEN_PATH, metavar="FILE", help="File to write.  [default: stdout]")
 def verilog(output: Path | None, interface: Interface, **options: Any) -> None:
     """Write the core as Verilog-2001, one file, top module 'cornerstream'.
 

@@ -145,7 +145,7 @@ def test_waves_are_written_with_a_signal_list() -> None:
     assert Path("waves/w.vcd").stat().st_size > 0
     assert "i__valid" in Path("waves/w.gtkw").read_text()
     before, written, after = result.stderr.splitlines()
-    assert before == "Waves of 50 clocks will take up to about 0.6 MB (an estimate)"
+    assert before == "Waves of 50 clocks will take up to about 0.9 MB (an estimate)"
     assert "waves/w.vcd, waves/w.gtkw" in written
     assert after == f"Waves: {Path('waves/w.vcd').stat().st_size / 1e6:.1f} MB"
 
