@@ -37,7 +37,8 @@ def main() -> None:
       cornerstream synth                     its area and clock frequency
       cornerstream eval                      how good its corners are
 
-    Exit codes: 0 all well, 1 hardware and golden model differ, timing is not met or the run failed, 2 bad input.
+    Exit codes: 0 all well, 1 hardware and golden model differ, timing is not met or the run failed,
+    2 bad input, 130 interrupted.
     """
 
 

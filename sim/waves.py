@@ -146,6 +146,10 @@ def whole(path: Path) -> Iterator[Path]:
             # what led to it is what the waves are for
             os.replace(temporary, target)
             raise
+        except OSError as error:
+            if error.filename == str(temporary):
+                error.filename = str(path)
+            raise
         os.replace(temporary, target)
     finally:
         temporary.unlink(missing_ok=True)
