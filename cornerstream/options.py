@@ -47,8 +47,9 @@ class _GivenPath(click.Path):
         super().__init__(path_type=Path)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        if value == "":
-            self.fail("the path is empty; allowed: that of a file or folder", param, ctx)
+        if not value or "\0" in str(value):
+            what = "has a null character" if value else "is empty"
+            self.fail(f"the path {what}; allowed: that of a file or folder", param, ctx)
         return super().convert(value, param, ctx)
 
 

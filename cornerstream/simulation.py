@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections import Counter
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -60,6 +61,8 @@ _WAVE_BYTES = {"compiled": 10_000, "amaranth": 6_500, "verilog": 4_500, _GATES: 
 """Of waves per clock, measured on a frame full of detail with profile ``paper``: a smoother one takes less."""
 _GRADIENT_FIT = 2.7
 """Times as many with the gradient step, whose sums change with every pixel."""
+_MOST_PIXELS = 1 << 28
+"""Of a simulation, all frames together: each takes some 16 bytes of memory."""
 
 
 @dataclass(frozen=True)
@@ -160,10 +163,14 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: 
         photograph = default_photograph(parameters, normalize=normalize)
     else:
         photograph = load(image, parameters, normalize=normalize)
+    if run.frames * photograph.pixels.size > _MOST_PIXELS:
+        most = _MOST_PIXELS // photograph.pixels.size
+        raise BadInput(f"--frames is {run.frames}; allowed with an image of this size: 1 to {most}")
     console.remarks(photograph)
     _check_tools(run.engine)
     if output is None and not as_json:
         output = Path("build")
+    check_distinct(run.vcd, output)
     check_distinct(image, run.vcd, *(result_paths(output) if output else ()))
     if output is not None:
         prepare_folder(output)
@@ -228,7 +235,9 @@ def _run_from(options: dict[str, Any]) -> Run:
             for field in ("target_corners", "reference_rank")
         ),
     )
-    return Run(options["engine"], options["frames"], stalls, vcd, options["vcd_clocks"])
+    # which engines hold in 64 bits
+    clocks = min(options["vcd_clocks"], sys.maxsize)
+    return Run(options["engine"], options["frames"], stalls, vcd, clocks)
 
 
 def _announce_waves(run: Run, pixels: Image, parameters: Parameters) -> None:

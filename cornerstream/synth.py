@@ -41,7 +41,7 @@ _STAND_IN = "nextpnr for ECP5 -6 stands in for Quartus, whose delays no free too
 @click.option("--no-timing", is_flag=True, help="Area only: leave out place and route, which takes minutes.")
 @click.option(
     "--seed",
-    type=click.IntRange(min=1),
+    type=click.IntRange(1, 2**31 - 1),
     default=1,
     show_default=True,
     help="Seed of the placement: another one gives another frequency.",

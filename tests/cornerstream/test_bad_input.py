@@ -149,6 +149,8 @@ def test_distance(folder: Path, value: str) -> None:
     [
         ("--fit", "printed", ["fit is 'printed'", "allowed in hardware: nine, six"]),
         ("--frames", "0", ["--frames", "0 is not in the range x>=1"]),
+        # 32x24 pixels each
+        ("--frames", "349526", ["--frames is 349526; allowed with an image of this size: 1 to 349525"]),
         ("--stall-input", "1", ["stall probability of inputs is 1.0; allowed: 0 <= p < 1"]),
         ("--stall-output", "-0.5", ["stall probability of outputs is -0.5; allowed: 0 <= p < 1"]),
         ("--seed", "-1", ["seed is -1; allowed: whole numbers from 0"]),
@@ -208,6 +210,7 @@ ONE = "are one file; allowed: a file of its own for each"
         ("detect kept/corners.png -o kept", f"kept/corners.png and kept/corners.png {ONE}"),
         ("detect link.png -o kept", f"kept/corners.png and link.png {ONE}"),
         ("simulate link.png -o ./kept --engine amaranth", f"kept/corners.png and link.png {ONE}"),
+        ("simulate good.png -o new.vcd --vcd new.vcd --engine amaranth", f"new.vcd and new.vcd {ONE}"),
         ("synth --no-timing --netlist a.png --plot folder.png/../a.png", f"a.png {ONE}"),
     ],
 )
