@@ -29,8 +29,11 @@ ALLOWED = (
     "and 8-bit grey, RGB, CMYK, palettes and transparency"
 )
 """What is read without loss, for messages."""
-# tifffile tells in exceptions what matters, and then some in a log
-logging.getLogger("tifffile").addHandler(logging.NullHandler())
+# what matters is told in exceptions; what goes to the logs besides would come out on stderr
+for _decoder in ("PIL", "tifffile"):
+    logging.getLogger(_decoder).addHandler(logging.NullHandler())
+_KINDS = {"unsigned": "u", "signed": "i", "floating-point": "f"}
+"""NumPy's letters."""
 
 
 @dataclass
@@ -96,8 +99,8 @@ def _by_tifffile(data: bytes, header: Header, check_size: CheckSize) -> Decoded:
         check_size((page.imagewidth, page.imagelength))
         numbers = page.asarray()
         decoded = Decoded(numbers, header.bits, _remarks_on_pages(lambda: len(file.pages)))
-    if numbers.ndim != (2 if header.layout == "grey" else 3):
-        raise ValueError(f"its first picture has the shape {numbers.shape}")
+    if numbers.ndim != (2 if header.layout == "grey" else 3) or numbers.dtype.kind != _KINDS[header.number]:
+        raise ValueError(f"its first picture has the shape {numbers.shape} and numbers of {numbers.dtype}")
     if header.layout == "RGB":
         planes = (
             numbers if page.planarconfig == tifffile.PLANARCONFIG.SEPARATE else np.moveaxis(numbers, -1, 0)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import struct
+import subprocess
+import sys
 import zlib
 from dataclasses import replace
 from pathlib import Path
@@ -254,6 +256,17 @@ def test_tiff_that_lacks_a_strip(tmp_path: Path, layout: str) -> None:
     path.write_bytes(whole.replace(heading, struct.pack("<HHI", 273, 4, strips - 1)))
     with pytest.raises(BadInput, match=f"damaged: it has {strips - 1} strips of {strips}"):
         load(path, PARAMETERS)
+
+
+def test_what_decoders_log_is_not_shown(tmp_path: Path) -> None:
+    whole = tiff(np.dstack([GRADIENT] * 3), 8, 2)
+    count = struct.pack("<HHIH", 277, 3, 1, 3)
+    assert whole.count(count) == 1
+    path = tmp_path / "many.tif"
+    path.write_bytes(whole.replace(count, count[:-2] + b"\xff\xff"))
+    script = f"from cornerstream.cli import main; main(['detect', {str(path)!r}, '--json'])"
+    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert result.returncode == 2 and result.stderr.count("\n") == 1, result.stderr
 
 
 def test_colour_space_that_is_not_known(tmp_path: Path) -> None:

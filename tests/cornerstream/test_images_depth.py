@@ -79,7 +79,6 @@ def test_normalized_is_linear_and_rounded() -> None:
     ("wrong", "reason"),
     [(np.nan, "finite"), (np.inf, "finite"), (1.7e308, "finite range"), (0.0, "all its pixels are 0")],
 )
-@pytest.mark.filterwarnings("ignore:overflow encountered")
 def test_what_cannot_be_normalized(tmp_path: Path, wrong: float, reason: str) -> None:
     numbers = np.zeros((20, 20))
     numbers[3, 4] = wrong
