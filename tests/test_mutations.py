@@ -139,7 +139,7 @@ MUTATIONS = {
     "the previous maximum lacks the frame's last response": Mutation(
         "hdl/candidate_selection.py",
         "with m.If(first | (response > self.largest)):",
-        "with m.If(first | (response > self.largest) & ~self.corners.payload.eof):",
+        "with m.If((first | (response > self.largest)) & ~self.corners.payload.eof):",
         "tests/hdl/test_candidate_selection.py",
         "test_frames and compiled",
     ),
