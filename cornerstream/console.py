@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 
 import click
@@ -63,7 +63,9 @@ def show(table: Table) -> None:
 @contextmanager
 def activity(text: str) -> Iterator[None]:
     """Show that something is going on whose length is not known; nothing if stderr is no terminal."""
-    with Console(stderr=True).status(text):
+    console = Console(stderr=True)
+    # where there is none, early versions of rich leave an empty line
+    with console.status(text) if console.is_terminal else nullcontext():
         yield
 
 
@@ -78,7 +80,10 @@ def progress(text: str, total: int) -> Iterator[Callable[[int], None]]:
         TimeRemainingColumn(),
     )
     console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    if not console.is_terminal:
+        yield lambda done: None
+        return
+    with Progress(*columns, console=console, transient=True) as bar:
         # what comes before the first step, such as compiling, is not to spoil the estimate
         task = bar.add_task(text, total=total, start=False)
 
