@@ -10,7 +10,13 @@ import click
 from cornerstream import console
 from cornerstream.errors import bad_input
 from cornerstream.files import earlier_files, write_folder
-from cornerstream.options import detector_options, output_option, parameters_from, pixel_bits_option
+from cornerstream.options import (
+    detector_options,
+    name_option,
+    output_option,
+    parameters_from,
+    pixel_bits_option,
+)
 from cornerstream.tools import running_tools
 from flow.quartus.project import DEVICE, MANIFEST, project_files
 
@@ -19,6 +25,7 @@ from flow.quartus.project import DEVICE, MANIFEST, project_files
 @output_option("build/quartus", "Folder of the project.")
 @detector_options
 @pixel_bits_option
+@name_option
 @click.option(
     "--clock",
     type=float,
@@ -28,7 +35,7 @@ from flow.quartus.project import DEVICE, MANIFEST, project_files
     help="Clock frequency that Quartus is asked to reach.",
 )
 @click.option("--force", is_flag=True, help="Write into a folder that holds other files, too.")
-def export(output: Path, clock: float, force: bool, **options: Any) -> None:
+def export(output: Path, clock: float, name: str, force: bool, **options: Any) -> None:
     """Write the core as a Quartus project: Verilog, settings, constraints, and a script that compiles it.
 
     An earlier export in the same folder is replaced; what Quartus made of it stays.
@@ -42,7 +49,7 @@ def export(output: Path, clock: float, force: bool, **options: Any) -> None:
     parameters = parameters_from(options, hardware=True)
     old = earlier_files(output, MANIFEST, "export", force=force)
     with console.activity("Generating Verilog"), running_tools(), bad_input():
-        files = project_files(parameters, clock_mhz=clock)
+        files = project_files(parameters, clock_mhz=clock, name=name)
     write_folder(output, files, old)
     console.say(
         f"Written: {output}, {len(files)} files: {DEVICE}, up to {parameters.max_width}x{parameters.max_height} "

@@ -11,6 +11,7 @@ import click
 from cornerstream import console
 from cornerstream.errors import BadInput, bad_input
 from cornerstream.idle import Idle, refuse_idle
+from flow.verilog import MODULE
 from golden import PROFILES, Parameters, Settings, profile
 from golden.checks import check_integer
 from golden.parameters import (
@@ -26,6 +27,7 @@ from golden.parameters import (
     Ties,
 )
 from hdl.edges import Interface, check_core
+from hdl.identifiers import check_name
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -174,6 +176,22 @@ normalize_option = click.option(
     "--normalize",
     is_flag=True,
     help="Stretch the image: its smallest value becomes 0, its largest all of the pixel bits.",
+)
+
+
+def _checked_name(context: click.Context, option: click.Parameter, name: str) -> str:
+    with bad_input():
+        check_name(name)
+    return name
+
+
+name_option = click.option(
+    "--name",
+    default=MODULE,
+    show_default=True,
+    metavar="NAME",
+    callback=_checked_name,
+    help="Of the top module, and what all names begin with: for several cores in one design.",
 )
 
 

@@ -13,6 +13,7 @@ from cornerstream.files import earlier_files, write_folder
 from cornerstream.options import (
     detector_options,
     edge_options,
+    name_option,
     output_option,
     parameters_from,
     pixel_bits_option,
@@ -33,8 +34,9 @@ from flow.package import MANIFEST, PackageInterface, package_files
 @detector_options
 @pixel_bits_option
 @edge_options
+@name_option
 @click.option("--force", is_flag=True, help="Write into a folder that holds other files, too.")
-def package(output: Path, interface: PackageInterface, force: bool, **options: Any) -> None:
+def package(output: Path, interface: PackageInterface, name: str, force: bool, **options: Any) -> None:
     """Write the core with all that other designs, tools and programs need of it.
 
     Verilog and an example around it; descriptions for FuseSoC and Platform Designer; the registers as a page, as
@@ -46,11 +48,12 @@ def package(output: Path, interface: PackageInterface, force: bool, **options: A
       cornerstream package
       cornerstream package -o ip720 --profile robust --width 1280 --height 720
       cornerstream package -o ip --interface avalon
+      cornerstream package -o ip_b --name corners_b
     """
     parameters = parameters_from({"interface": interface, **options}, hardware=True)
     old = earlier_files(output, MANIFEST, "package", force=force)
     with console.activity("Generating Verilog"), running_tools(), bad_input():
-        files = package_files(parameters, interface)
+        files = package_files(parameters, interface, name)
     write_folder(output, files, old)
     console.say(
         f"Written: {output}, {len(files)} files: {interface}, up to {parameters.max_width}x{parameters.max_height} "

@@ -16,6 +16,7 @@ from cornerstream.options import (
     detector_options,
     edge_options,
     interface_option,
+    name_option,
     parameters_from,
     pixel_bits_option,
 )
@@ -29,9 +30,10 @@ from hdl.edges import Interface
 @detector_options
 @pixel_bits_option
 @edge_options
+@name_option
 @click.option("--output", "-o", type=GIVEN_PATH, metavar="FILE", help="File to write.  [default: stdout]")
-def verilog(output: Path | None, interface: Interface, **options: Any) -> None:
-    """Write the core as Verilog-2001, one file, top module 'cornerstream'.
+def verilog(output: Path | None, interface: Interface, name: str, **options: Any) -> None:
+    """Write the core as Verilog-2001, one file, top module 'cornerstream' or another name.
 
     \b
     Examples:
@@ -39,12 +41,13 @@ def verilog(output: Path | None, interface: Interface, **options: Any) -> None:
       cornerstream verilog --profile robust --max-width 1280 --max-height 720 -o corners720.v
       cornerstream verilog --interface avalon -o cornerstream.v
       cornerstream verilog --interface stream -o bare.v
+      cornerstream verilog --profile robust --name corners_b -o corners_b.v
     """
     parameters = parameters_from({"interface": interface, **options}, hardware=True)
     if output is not None:
         prepare_file(output)
     with console.activity("Generating Verilog"), running_tools(), bad_input():
-        text = emit_verilog(parameters, interface)
+        text = emit_verilog(parameters, interface, name)
     if output is None:
         sys.stdout.write(text)
     else:

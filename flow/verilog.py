@@ -13,9 +13,11 @@ from amaranth.lib import wiring
 from golden import Parameters
 from golden.version import VERSION
 from hdl.edges import Interface, make_core
+from hdl.identifiers import check_name, plain_port
 from sim.tools import run
 
 MODULE = "cornerstream"
+"""What a core is called unless it is given another name."""
 
 # Flip-flops become `if (rst) ... else if (enable) ...` by proc and opt; Amaranth's own back end leaves them
 # as chains of conditional assignments, twice as long.
@@ -42,30 +44,50 @@ _DERIVED_WIRE = re.compile(r"^  wire (?!.*(?:input|output|inout) ).*?\\(\$\S+)$"
 _DERIVED_NAME = re.compile(r"(?<=[\s{])\\(\$[^\s\[]+)")
 _ESCAPED = re.compile(r"\\(\S+) ")
 _PLAIN = re.compile(r"[A-Za-z_]\w*")
+_PORT = re.compile(r"^  (?:input|output) (?:\[\d+:0\] )?(\w+);", re.MULTILINE)
 # what is left of the initial value of a register that goes by another name
 _LEFTOVER = re.compile(r"^  \(\* init = .* \*\)\n", re.MULTILINE)
+
+
+WAIVERS = """\
+// Generated code assigns to wider and narrower nets, and leaves nets behind that nobody reads.
+/* verilator lint_save */
+/* verilator lint_off WIDTH */
+/* verilator lint_off CASEOVERLAP */
+/* verilator lint_off CASEINCOMPLETE */
+/* verilator lint_off UNUSED */
+/* verilator lint_off DECLFILENAME */
+/* verilator lint_off VARHIDDEN */
+
+"""
+"""Comments that tell Verilator what to expect of what follows; in words that its older versions know, too."""
+END_OF_WAIVERS = "\n/* verilator lint_restore */\n"
 
 
 class VerilogError(RuntimeError):
     """Yosys refused the design; the message is Yosys's."""
 
 
-def emit_verilog(parameters: Parameters, interface: Interface = "stream") -> str:
-    """Verilog-2001 of one core: top module :data:`MODULE`, clock ``clk``, synchronous reset ``rst``.
+def emit_verilog(parameters: Parameters, interface: Interface = "stream", name: str = MODULE) -> str:
+    """Verilog-2001 of one core: top module ``name``, clock ``clk``, synchronous reset ``rst``.
 
-    ``ValueError`` where there is no such core.
+    All other modules begin with ``name_``, so that cores of different names can be in one design.
+    ``ValueError`` where there is no such core, or it cannot be called so.
     """
-    return core_verilog(make_core(parameters, interface), parameters)
+    check_name(name)
+    return core_verilog(make_core(parameters, interface), parameters, name)
 
 
-def core_verilog(core: wiring.Component, parameters: Parameters) -> str:
+def core_verilog(core: wiring.Component, parameters: Parameters, name: str = MODULE) -> str:
     """As :func:`emit_verilog`, of a core that exists and was built with these parameters."""
-    lines = [f"  {name} = {value}" for name, value in parameters.described.items()]
-    return convert(core, MODULE, ["Parameters:", *lines])
+    lines = [f"  {field} = {value}" for field, value in parameters.described.items()]
+    return convert(core, name, ["Parameters:", *lines])
 
 
 def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
     """Verilog-2001 of any component as module ``name``, with ``remarks`` as part of the opening comment.
+
+    Ports of the top are called as VHDL can call them, too: ``i_valid`` for ``i__valid``.
 
     Memories that the design writes are left without initial contents. Amaranth gives every memory some, zeros
     unless told otherwise; written out, these would be five sixths of the file, keep some synthesis tools
@@ -83,7 +105,7 @@ def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
     if yosys.returncode:
         raise VerilogError(yosys.stderr.strip())
     text = _LEFTOVER.sub("", yosys.stdout.partition("*/\n")[2].lstrip())
-    return _heading(name, remarks) + plain_names(text)
+    return _heading(name, remarks) + WAIVERS + plain_ports(plain_names(text), name) + END_OF_WAIVERS
 
 
 def plain_names(text: str) -> str:
@@ -103,6 +125,24 @@ def plain_names(text: str) -> str:
         chosen[name] = next(choice for choice in choices if choice not in taken)
         taken.add(chosen[name])
     return _ESCAPED.sub(lambda match: chosen[match[1]], text)
+
+
+def plain_ports(text: str, top: str) -> str:
+    """Verilog whose module ``top`` has ports of the names that ``hdl.identifiers.plain_port`` gives them."""
+    start = re.search(rf"^module {top}\(", text, re.MULTILINE)
+    if start is None:
+        raise VerilogError(f"there is no module {top}")
+    end = text.index("\nendmodule", start.start())
+    body = text[start.start() : end]
+    taken = set(_PLAIN.findall(body))
+    for port in _PORT.findall(body):
+        plain = plain_port(port)
+        if plain != port:
+            if plain in taken:
+                raise VerilogError(f"port {port} would become {plain}, which there is already")
+            # not those of what is inside the top, which are connected by name
+            body = re.sub(rf"(?<![.\w]){port}\b", plain, body)
+    return text[: start.start()] + body + text[end:]
 
 
 def without_zeros(source: str) -> str:

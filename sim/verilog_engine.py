@@ -15,6 +15,7 @@ from pathlib import Path
 from amaranth.hdl import Fragment
 from amaranth.lib import wiring
 
+from hdl.identifiers import plain_port
 from sim.compiled_engine import package_text
 from sim.compiler import build, find_compiler, run_tool
 from sim.native import NativeEngine, describe_levels, describe_streams
@@ -62,10 +63,17 @@ def verilog_ports(text: str) -> tuple[str, set[str]]:
     return top, set(re.findall(port, body, re.MULTILINE))
 
 
+def port_name(name: str, present: set[str]) -> str:
+    """A port of a component as it is called in Verilog; a mapped netlist keeps the names of the sources."""
+    plain = plain_port(name)
+    return plain if plain in present else name
+
+
 def describe(ports: Ports, present: set[str], *, waves: bool) -> str:
     """The C++ between Verilator's model and the harness."""
 
-    def member(name: str) -> str | None:
+    def member(port: str) -> str | None:
+        name = port_name(port, present)
         # Verilator keeps double underscores to itself.
         return "top->" + name.replace("__", "___05F") if name in present else None
 

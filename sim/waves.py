@@ -21,6 +21,7 @@ from golden.output_constructor import (
     RESPONSE_FIELD_BITS,
     RESPONSE_SHIFT,
 )
+from hdl.identifiers import plain_port
 from sim.engine import SimulationError
 from sim.ports import Ports
 
@@ -173,8 +174,10 @@ def find_in(vcd: Path) -> Find:
                     break
 
     def find(view: View, signal: str) -> str | None:
-        ending = "." + ".".join(filter(None, (view.module, signal)))
-        found = min((name for name in names if name.endswith(ending)), key=len, default=None)
+        # a port at the top of emitted Verilog has a name of its own
+        called = {signal} if view.module else {signal, plain_port(signal)}
+        endings = tuple("." + ".".join(filter(None, (view.module, name))) for name in called)
+        found = min((name for name in names if name.endswith(endings)), key=len, default=None)
         return None if found is None else found + bits(names[found])
 
     return find

@@ -7,6 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
+from flow.command import command
 from flow.package.platform_designer import hw_interfaces
 from flow.package.registers import driver_source, facts, svd
 from flow.quartus.project import ports_of, split_modules
@@ -22,20 +23,19 @@ from hdl.edges.avalon import VIDEO_PACKET
 PackageInterface = Literal["axi", "avalon"]
 """Edges that other people's cores speak; the bare detector has neither registers nor a guard."""
 
-MANIFEST = f"{MODULE}-package.json"
+MANIFEST = "cornerstream-package.json"
 """By this file a folder is known as a package: what was built, and the files that belong to it."""
 REGISTERS_PAGE = "registers.md"
 EXAMPLE_WIDTH, EXAMPLE_HEIGHT = 64, 48
 """Of the example's frames, where the core is built for as large ones."""
 
 _TEMPLATES = Path(__file__).parent / "templates"
-_VERILOG = f"rtl/{MODULE}.v"
 _RENDERED = {
     "README.md": "README.md",
     REGISTERS_PAGE: "registers.md",
-    f"{MODULE}.core": "cornerstream.core",
-    f"{MODULE}_hw.tcl": "hw.tcl",
-    f"software/{MODULE}.h": "cornerstream.h",
+    "{}.core": "cornerstream.core",
+    "{}_hw.tcl": "hw.tcl",
+    "software/{}.h": "cornerstream.h",
     "software/example.c": "example.c",
     "example/top.v": "top.v",
     "example/tb.v": "tb.v",
@@ -43,33 +43,35 @@ _RENDERED = {
 }
 
 
-def package_files(parameters: Parameters, interface: PackageInterface) -> dict[str, str]:
-    """All files of the package, by path relative to its folder.
+def package_files(parameters: Parameters, interface: PackageInterface, name: str = MODULE) -> dict[str, str]:
+    """All files of the package, by path relative to its folder; the core, its files and macros are called ``name``.
 
     Raises
     ------
     ValueError
-        There is no such core.
+        There is no such core, or it cannot be called so.
     flow.verilog.VerilogError
         Yosys refused the design.
     """
-    verilog = emit_verilog(parameters, interface)
-    ports = ports_of(split_modules(verilog)[1][MODULE])
-    known = _facts(parameters) | {
+    verilog = emit_verilog(parameters, interface, name)
+    ports = ports_of(split_modules(verilog)[1][name])
+    known = _facts(parameters, name) | {
+        "command": command("package", parameters, interface=interface, name=name),
         "interface": interface,
         "interfaces": hw_interfaces(interface, ports),
         "ports": ports,
         "port": {port.name: port for port in ports},
     }
     files = {
-        _VERILOG: verilog,
-        f"{MODULE}.svd": svd(parameters),
-        f"software/{MODULE}_registers.py": driver_source(parameters),
-        **{name: render(_TEMPLATES, template, known) for name, template in _RENDERED.items()},
+        known["verilog"]: verilog,
+        f"{name}.svd": svd(parameters, name),
+        f"software/{name}_registers.py": driver_source(parameters),
+        **{path.format(name): render(_TEMPLATES, template, known) for path, template in _RENDERED.items()},
     }
     manifest = {
         "generator": f"cornerstream {VERSION}",
         "amaranth": version("amaranth"),
+        "name": name,
         "interface": interface,
         "parameters": parameters.described,
         "files": sorted([*files, MANIFEST]),
@@ -79,17 +81,19 @@ def package_files(parameters: Parameters, interface: PackageInterface) -> dict[s
 
 def registers_page(parameters: Parameters) -> str:
     """The register map as a page, the same whatever the edges are."""
-    return render(_TEMPLATES, "registers.md", _facts(parameters))
+    return render(_TEMPLATES, "registers.md", _facts(parameters, MODULE))
 
 
-def _facts(parameters: Parameters) -> dict[str, Any]:
+def _facts(parameters: Parameters, name: str) -> dict[str, Any]:
     return {
         **facts(parameters),
         "defaults": Settings.default(parameters),
         "example_height": min(EXAMPLE_HEIGHT, parameters.max_height),
         "example_width": min(EXAMPLE_WIDTH, parameters.max_width),
         "margin": MARGIN,
-        "module": MODULE,
+        "manifest": MANIFEST,
+        "module": name,
+        "named": name != MODULE,
         "reach": f"{offset_limit(parameters.fit) / (1 << OFFSET_BITS):g}",
         "p": parameters,
         "parameters": parameters.described,
@@ -108,7 +112,7 @@ def _facts(parameters: Parameters) -> dict[str, Any]:
             "response_shift": record.RESPONSE_SHIFT,
         },
         "smallest": SUPPORT,
-        "verilog": _VERILOG,
+        "verilog": f"rtl/{name}.v",
         "version": VERSION,
         "video_packet": VIDEO_PACKET,
     }

@@ -7,6 +7,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from flow.package import driver
+from flow.verilog import MODULE
 from golden import Parameters
 from golden.version import VERSION
 from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS, RESET_BIT, Field, Register, register_map
@@ -68,7 +69,7 @@ def driver_source(parameters: Parameters) -> str:
     return title + "\n" + origin + rest + _DRIVER_TAIL.format(registers="".join(lines))
 
 
-def svd(parameters: Parameters) -> str:
+def svd(parameters: Parameters, name: str = MODULE) -> str:
     """The map as CMSIS-SVD 1.3: a device of one peripheral, at address 0."""
     device = ElementTree.Element(
         "device",
@@ -81,7 +82,7 @@ def svd(parameters: Parameters) -> str:
     _texts(
         device,
         vendor="cornerstream",
-        name="cornerstream",
+        name=name,
         version=VERSION,
         description="Streaming corner detector. The base address is that of the core in the system.",
         addressUnitBits=8,
@@ -91,7 +92,7 @@ def svd(parameters: Parameters) -> str:
     peripheral = ElementTree.SubElement(ElementTree.SubElement(device, "peripherals"), "peripheral")
     _texts(
         peripheral,
-        name="CORNERSTREAM",
+        name=name.upper(),
         description="Registers of the core.",
         baseAddress="0x00000000",
     )

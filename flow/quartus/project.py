@@ -9,21 +9,22 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from flow.command import command
 from flow.quartus.memories import Memory, find_memories, with_attributes
 from flow.templates import render
-from flow.verilog import MODULE, emit_verilog
+from flow.verilog import END_OF_WAIVERS, MODULE, emit_verilog
 from golden import Parameters
 from golden.version import VERSION
 
 FAMILY = "Cyclone IV GX"
 DEVICE = "EP4CGX150CF23C8"
 """The paper's device."""
-MANIFEST = f"{MODULE}.json"
+MANIFEST = "cornerstream.json"
 """By this file a folder is known as exported: what was built, and the files that belong to it."""
 SOURCES = "rtl"
 
 _TEMPLATES = Path(__file__).parent / "templates"
-_PROJECT = (f"{MODULE}.qpf", f"{MODULE}.qsf", f"{MODULE}.sdc", "compile.tcl", "README.md")
+_PROJECT = ("{}.qpf", "{}.qsf", "{}.sdc", "compile.tcl", "README.md")
 _MODULE = re.compile(r"^module (\w+)\(.*?^endmodule\n", re.MULTILINE | re.DOTALL)
 _PORT = re.compile(r"^  (input|output) (?:\[(\d+):0\] )?(\w+);", re.MULTILINE)
 
@@ -54,7 +55,7 @@ def split_modules(text: str) -> tuple[str, dict[str, str]]:
     return heading, {match[1]: match[0] for match in _MODULE.finditer(text)}
 
 
-def project_files(parameters: Parameters, *, clock_mhz: float = 100.0) -> dict[str, str]:
+def project_files(parameters: Parameters, *, clock_mhz: float = 100.0, name: str = MODULE) -> dict[str, str]:
     """All files of the Quartus project, by path relative to its folder.
 
     Parameters
@@ -63,30 +64,35 @@ def project_files(parameters: Parameters, *, clock_mhz: float = 100.0) -> dict[s
         The detector.
     clock_mhz
         The clock that is asked for; it stands in the .sdc as a period, and nowhere else.
+    name
+        Of the core and the project.
 
     Raises
     ------
     ValueError
-        The clock is no positive number, or the parameters are not to be built.
+        The clock is no positive number, the parameters are not to be built, or the core cannot be called so.
     flow.verilog.VerilogError
         Yosys refused the design.
     """
     if not 0 < clock_mhz < 1e5:
         raise ValueError(f"clock is {clock_mhz!r}; allowed: MHz, more than 0 and less than 100000")
-    heading, modules = split_modules(emit_verilog(parameters))
+    heading, modules = split_modules(emit_verilog(parameters, name=name))
     sources = {
-        f"{SOURCES}/{name}.v": _title(heading, name) + with_attributes(body) for name, body in modules.items()
+        f"{SOURCES}/{module}.v": _title(heading, module, name) + with_attributes(body) + END_OF_WAIVERS
+        for module, body in modules.items()
     }
-    memories = [memory for name, body in modules.items() for memory in find_memories(name, body)]
-    ports = ports_of(modules[MODULE])
+    memories = [memory for module, body in modules.items() for memory in find_memories(module, body)]
+    ports = ports_of(modules[name])
     facts: dict[str, Any] = {
         "clock_mhz": clock_mhz,
         "device": DEVICE,
         "family": FAMILY,
+        "manifest": MANIFEST,
         "memories": _grouped(memories),
         "memory_bits": sum(memory.bits for memory in memories),
         "modules": sorted(modules),
-        "name": MODULE,
+        "command": command("export", parameters, clock=clock_mhz, name=name),
+        "name": name,
         "parameters": parameters.described,
         "period": 1000 / clock_mhz,
         "ports": ports,
@@ -94,10 +100,11 @@ def project_files(parameters: Parameters, *, clock_mhz: float = 100.0) -> dict[s
         "version": VERSION,
         "virtual_pins": [pin for port in ports if port.name != "clk" for pin in port.pins],
     }
-    files = sources | {name: render(_TEMPLATES, name, facts) for name in _PROJECT}
+    files = sources | {file.format(name): render(_TEMPLATES, file.format(MODULE), facts) for file in _PROJECT}
     manifest = {
         "generator": f"cornerstream {VERSION}",
         "amaranth": version("amaranth"),
+        "name": name,
         "parameters": parameters.described,
         "clock_mhz": float(clock_mhz),
         "device": DEVICE,
@@ -106,11 +113,11 @@ def project_files(parameters: Parameters, *, clock_mhz: float = 100.0) -> dict[s
     return files | {MANIFEST: json.dumps(manifest, indent=2) + "\n"}
 
 
-def _title(heading: str, name: str) -> str:
-    if name == MODULE:
+def _title(heading: str, module: str, name: str) -> str:
+    if module == name:
         return heading
     _, _, rest = heading.partition("\n")
-    return f"// {name}: a block of {MODULE}, the streaming corner detector\n{rest}"
+    return f"// {module}: a block of {name}, the streaming corner detector\n{rest}"
 
 
 def _grouped(memories: list[Memory]) -> list[dict[str, Any]]:

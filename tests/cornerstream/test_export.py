@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shlex
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -45,7 +47,7 @@ def contents(folder: Path) -> dict[str, str]:
 def test_export_writes_the_project() -> None:
     result = run("export", "-o", "deep/project", *SIZE, "--profile", "robust", "--clock", "150")
     parameters = profile("robust", max_width=40, max_height=32)
-    assert contents(Path("deep/project")) == project_files(parameters, clock_mhz=150.0)
+    assert contents(Path("deep/project")) == project_files(parameters, clock_mhz=150.0, name="cornerstream")
     assert "set period 6.6667\n" in Path("deep/project/cornerstream.sdc").read_text()
     assert result.stdout == "" and "Written: deep/project, " in result.stderr
     assert "quartus_sh -t compile.tcl" in Path("deep/project/README.md").read_text()
@@ -58,6 +60,21 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+def test_a_named_project_and_the_command_that_writes_it() -> None:
+    run("export", "-o", "project", *SIZE, "--name", "corners_b", "--clock", "133.25")
+    found = contents(Path("project"))
+    assert {"rtl/corners_b.v", "corners_b.qpf", "corners_b.qsf", "corners_b.sdc"} <= found.keys()
+    assert "set_global_assignment -name TOP_LEVEL_ENTITY corners_b\n" in found["corners_b.qsf"]
+    assert "project_open -revision corners_b corners_b\n" in found["compile.tcl"]
+    assert not any("cornerstream_" in text for text in found.values())
+    (line,) = re.findall(r"^cornerstream (export .*)$", found["README.md"], re.MULTILINE)
+    run(*shlex.split(line), "-o", "again")
+    assert contents(Path("again")) == found
+    # the next one may be called otherwise
+    run("export", "-o", "project", *SIZE)
+    assert not Path("project/corners_b.qpf").exists() and Path("project/cornerstream.qpf").is_file()
 
 
 def test_another_export_replaces_the_first_and_keeps_what_quartus_made() -> None:
@@ -75,7 +92,7 @@ def test_another_export_replaces_the_first_and_keeps_what_quartus_made() -> None
     assert found.pop("output_files/cornerstream.fit.summary") == "of Quartus"
     assert found.pop("rtl/mine.v") and Path("outside.v").exists()
     assert found == project_files(
-        profile("paper", buffering="lean", max_width=40, max_height=32), clock_mhz=100.0
+        profile("paper", buffering="lean", max_width=40, max_height=32), clock_mhz=100.0, name="cornerstream"
     )
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import gc
 import json
 import os
+import re
+import shlex
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from click.testing import Result
 
 from cornerstream.cli import main
 from flow import package as package_module
+from flow.command import command
 from flow.package import MANIFEST
 from golden import profile
 from tests.runner import CliRunner
@@ -48,10 +51,64 @@ def test_package_writes_the_package() -> None:
     options = ("--profile", "robust", "--pixel-bits", "10", "--video-out", "--autostart")
     result = run("package", "-o", "deep/ip", *SIZE, *options)
     changes = {"max_width": 40, "max_height": 32, "pixel_bits": 10, "video_out": True, "autostart": True}
-    assert contents(Path("deep/ip")) == package_files(profile("robust", **changes), "axi")
+    assert contents(Path("deep/ip")) == package_files(profile("robust", **changes), "axi", "cornerstream")
     assert result.stdout == "" and "Written: deep/ip, " in result.stderr
     assert "What is what: deep/ip/README.md" in result.stderr
     assert [path.name for path in Path("deep").iterdir()] == ["ip"]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--profile", "robust", "--pixel-bits", "10", "--video-out", "--autostart"),
+        ("--interface", "avalon", "--name", "corners_b"),
+    ],
+)
+def test_the_readme_has_the_command_that_writes_the_package(options: tuple[str, ...]) -> None:
+    run("package", "-o", "ip", *SIZE, *options)
+    (line,) = re.findall(r"^cornerstream (package .*)$", Path("ip/README.md").read_text(), re.MULTILINE)
+    run(*shlex.split(line), "-o", "again")
+    assert contents(Path("ip")) == contents(Path("again"))
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        (),
+        ("--profile", "robust"),
+        ("--profile", "robust", "--buffering", "banked", "--budget"),
+        ("--texture", "mean", "--gradient", "signed", "--derivative", "sobel"),
+        ("--suppression", "3", "--patches", "pixels", "--fit", "six", "--ties", "first"),
+        ("--profile", "robust", "--fit", "nine", "--texture", "patches", "--response-filter", "none"),
+        (*SIZE, "--name", "Other2", "--autostart", "--interface", "avalon", "--pixel-bits", "4"),
+        ("--video-out", "--width", "8192", "--height", "20"),
+    ],
+)
+def test_any_options_are_found_again(options: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+    monkeypatch.setattr("cornerstream.package.package_files", lambda *built: asked.append(built) or {})
+    run("package", "-o", "ip", *options)
+    parameters, interface, name = asked[0]
+    words = shlex.split(command("package", parameters, interface=interface, name=name))
+    run(*words[1:], "-o", "ip2")
+    assert asked[1] == asked[0]
+    assert len(words) <= len(options) + 4
+
+
+def test_a_named_package_is_named_throughout() -> None:
+    run("package", "-o", "ip", *SIZE, "--interface", "avalon", "--name", "corners_b")
+    found = contents(Path("ip"))
+    assert {"rtl/corners_b.v", "corners_b.core", "corners_b_hw.tcl", "corners_b.svd"} <= found.keys()
+    assert {"software/corners_b.h", "software/corners_b_registers.py"} <= found.keys()
+    assert "name: ::corners_b:" in found["corners_b.core"]
+    assert "set_module_property NAME corners_b\n" in found["corners_b_hw.tcl"]
+    assert "#ifndef CORNERS_B_H\n" in found["software/corners_b.h"]
+    assert "<name>corners_b</name>" in found["corners_b.svd"]
+    assert "\n    corners_b corner_detector (" in found["example/top.v"]
+    for name in ("rtl/corners_b.v", "software/corners_b.h", "software/example.c", "corners_b.core"):
+        # but for who wrote it
+        text = found[name].lower().replace("cornerstream package", "").replace("by cornerstream", "")
+        assert "cornerstream" not in text, name
 
 
 def test_another_package_replaces_the_first() -> None:
@@ -64,7 +121,7 @@ def test_another_package_replaces_the_first() -> None:
     run("package", "-o", "ip", *SIZE, "--interface", "avalon")
     found = contents(Path("ip"))
     assert found.pop("rtl/mine.v") and Path("outside.v").exists()
-    assert found == package_files(profile("paper", max_width=40, max_height=32), "avalon")
+    assert found == package_files(profile("paper", max_width=40, max_height=32), "avalon", "cornerstream")
 
 
 def test_a_foreign_folder_is_left_alone() -> None:
@@ -104,6 +161,10 @@ def test_nothing_is_half_written(monkeypatch: pytest.MonkeyPatch, folder: Path) 
         (("--width", "14"), "max_width is 14; allowed: whole numbers from 15"),
         (("--fit", "printed"), "fit is 'printed', which only the golden model has"),
         (("-o", "file"), "file is no folder"),
+        (
+            ("--name", "a__b"),
+            "name is 'a__b'; allowed: a letter, then letters, digits and single underscores",
+        ),
     ],
 )
 def test_bad_input(options: tuple[str, ...], message: str, folder: Path) -> None:

@@ -68,7 +68,7 @@ int main(int count, char **arguments)
     words[CORNERSTREAM_MAX_SIZE / 4] = (uint32_t)strtoul(arguments[1], NULL, 0);
     if (count > 2)
         words[0] = 0;
-    return corners_example(words, packet, read) ? 1 : 0;
+    return cornerstream_example(words, packet, read) ? 1 : 0;
 }
 """
 # Without accessors of its own a program reaches registers through the pointer itself.

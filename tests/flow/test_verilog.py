@@ -70,24 +70,16 @@ class DelayLine(wiring.Component):
 
 
 def lint(text: str, folder: Path) -> str:
-    """What Verilator has against it as Verilog-2001, apart from what all generated Verilog has."""
+    """What Verilator has against it as Verilog-2001, apart from what it says of itself."""
     path = folder / "design.v"
     path.write_text(text)
-    quiet = (
-        "WIDTH",
-        "UNUSEDSIGNAL",
-        "CASEINCOMPLETE",
-        "CASEOVERLAP",
-        "DECLFILENAME",
-        "PROCASSINIT",
-        "VARHIDDEN",
-    )
     root = verilator_root()
     done = subprocess.run(
         [
             str(root / "bin" / "verilator_bin"),
             *("--lint-only", "--language", "1364-2001", "-Wall", "--quiet"),
-            *(f"-Wno-{name}" for name in quiet),
+            # of which older versions know nothing, so that the text cannot speak of it
+            "-Wno-PROCASSINIT",
             str(path),
         ],
         env={**os.environ, "VERILATOR_ROOT": str(root)},
