@@ -8,6 +8,8 @@ from typing import Literal
 from golden.output_constructor import COUNT_BITS, FRAME_BITS, RESPONSE_FIELD_BITS
 from golden.parameters import (
     BUDGET_BITS,
+    MEAN_WEIGHT_BITS,
+    MEAN_WEIGHT_FRACTION_BITS,
     PROFILES,
     SIGMA2_INTEGER_BITS,
     SIGMA_BITS,
@@ -38,7 +40,7 @@ MEANINGS = {
     Event.EOL_EARLY: "A line was too short: its frame was cut.",
     Event.EOL_LATE: "A line was too long: the surplus was dropped.",
     Event.EOL_MISSING: "A whole further line's pixels came without an end of line: they were dropped.",
-    Event.RECORDS_DROPPED: "A frame had more corners than MAX_RECORDS: the surplus was dropped.",
+    Event.RECORDS_DROPPED: "A frame had more corners than {most}: the surplus was dropped.",
     Event.SIZE_CHANGED: "SIZE was written while a frame was under way: the new size holds from the next one on.",
     Event.SIZE_REFUSED: "A size out of range, or only a part of one, was written: SIZE stays as it was.",
     Event.INPUT_IDLE: "In the middle of a frame no pixel came for TIMEOUT clocks.",
@@ -86,7 +88,7 @@ class Register:
 
 def register_map(parameters: Parameters) -> tuple[Register, ...]:
     """All registers of a core, by address. Field names are unique."""
-    registers = (*_about(parameters), *_control(parameters), *_results(), *_budget(parameters))
+    registers = (*_about(parameters), *_control(parameters), *_results(parameters), *_budget(parameters))
     return tuple(sorted(registers, key=lambda register: register.address))
 
 
@@ -184,7 +186,11 @@ def _profile(p: Parameters) -> int:
 
 def _control(p: Parameters) -> tuple[Register, ...]:
     settings = Settings.default(p)
-    events = [(str(event.name).lower(), event.bit_length() - 1, MEANINGS[event]) for event in Event]
+    less = " less SIGMA2 times the local level of D" if p.texture == "mean" else ""
+    events = [
+        (str(event.name).lower(), event.bit_length() - 1, MEANINGS[event].format(most=_most(p)))
+        for event in Event
+    ]
     return (
         Register(
             "CONTROL",
@@ -234,23 +240,14 @@ def _control(p: Parameters) -> tuple[Register, ...]:
             "SIGMA1",
             0x20,
             "rw",
-            "Corner threshold.",
+            f"Corner threshold: a corner's response{less} is above SIGMA1 times the reference.",
             (Field("sigma1", 0, SIGMA_BITS, "In units of 1/65536.", settings.sigma1_fixed),),
         ),
         Register(
             "SIGMA2",
             0x24,
             "rw",
-            "Texture threshold.",
-            (
-                Field(
-                    "sigma2",
-                    0,
-                    SIGMA_BITS + SIGMA2_INTEGER_BITS,
-                    "In units of 1/65536.",
-                    settings.sigma2_fixed,
-                ),
-            ),
+            *_sigma2(p, settings.sigma2_fixed),
         ),
         Register(
             "CONSTANT",
@@ -283,7 +280,28 @@ def _control(p: Parameters) -> tuple[Register, ...]:
     )
 
 
-def _results() -> tuple[Register, ...]:
+def _most(p: Parameters) -> str:
+    """What limits the records of a frame."""
+    return "MAX_RECORDS or BUDGET.max_corners" if p.budget else "MAX_RECORDS"
+
+
+def _sigma2(p: Parameters, reset: int) -> tuple[str, tuple[Field, ...]]:
+    """Text and field of SIGMA2."""
+    bits = SIGMA_BITS + SIGMA2_INTEGER_BITS
+    if p.texture != "mean":
+        text = "Texture threshold: a corner's texture measure is below SIGMA2 times the reference."
+        return text, (Field("sigma2", 0, bits, "In units of 1/65536.", reset),)
+    low = SIGMA_BITS - MEAN_WEIGHT_FRACTION_BITS
+    counted = (
+        f"whole eighths count, bits {low + MEAN_WEIGHT_BITS - 1}:{low}; what is 2 or more counts as 15/8."
+    )
+    return (
+        "Weight of the local level of D, which is 81/64 of its mean over 9x9 pixels.",
+        (Field("sigma2", 0, bits, f"In units of 1/65536, of which {counted}", reset),),
+    )
+
+
+def _results(p: Parameters) -> tuple[Register, ...]:
     return (
         Register(
             "FRAMES",
@@ -304,7 +322,7 @@ def _results() -> tuple[Register, ...]:
             0x48,
             "ro",
             "Of the last complete frame.",
-            (Field("dropped", 0, COUNT_BITS, "Corners beyond MAX_RECORDS."),),
+            (Field("dropped", 0, COUNT_BITS, f"Corners that its packet lacks: beyond {_most(p)}."),),
         ),
         Register(
             "CLOCKS",
@@ -318,14 +336,7 @@ def _results() -> tuple[Register, ...]:
             0x50,
             "ro",
             "Of the last complete frame: the next one's reference.",
-            (
-                Field(
-                    "maximum",
-                    0,
-                    RESPONSE_FIELD_BITS,
-                    "Largest response of the pixels at which a corner may be.",
-                ),
-            ),
+            (Field("maximum", 0, RESPONSE_FIELD_BITS, "Largest response D where a corner may be."),),
         ),
     )
 

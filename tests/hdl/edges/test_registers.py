@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from golden import Parameters, profile
+from golden import Parameters, Settings, profile
 from golden.video import Event
 from hdl.edges.register_bank import RegisterBank
 from hdl.edges.register_map import ADDRESS_BITS, IDENTITY, Register, register_map
@@ -41,6 +41,28 @@ def test_map_is_sound(parameters: Parameters) -> None:
             assert not taken & field.mask and field.high < 32 and 0 <= field.reset < 1 << field.bits
             taken |= field.mask
         assert register.fields == tuple(sorted(register.fields, key=lambda field: field.low))
+
+
+def test_texts_say_what_was_built() -> None:
+    """The golden model's words: bits that count as ``Settings.mean_weight`` has it, and what leaves corners out."""
+    paper, robust = registers(), registers(profile("robust", budget=True))
+    assert paper["SIGMA2"].text.startswith("Texture threshold: ")
+    assert robust["SIGMA2"].text.startswith("Weight of the local level of D")
+    assert "bits 16:13; what is 2 or more counts as 15/8" in robust["SIGMA2"].fields[0].text
+    for sigma2, weight in (
+        (1 << 13, 1),
+        (1 << 16, 8),
+        ((1 << 17) - 1, 15),
+        (1 << 17, 15),
+        ((1 << 13) - 1, 0),
+    ):
+        assert Settings(sigma2=sigma2 / 65536).mean_weight == weight
+    assert "less SIGMA2 times the local level" in robust["SIGMA1"].text
+    assert "local level" not in paper["SIGMA1"].text
+    for built, limits in ((paper, "MAX_RECORDS"), (robust, "MAX_RECORDS or BUDGET.max_corners")):
+        (dropped,) = (field for field in built["STATUS"].fields if field.name == "records_dropped")
+        assert f"more corners than {limits}:" in dropped.text
+        assert built["DROPPED"].fields[0].text.endswith(f"beyond {limits}.")
 
 
 def test_every_event_has_its_bit_in_status() -> None:
