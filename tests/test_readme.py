@@ -20,6 +20,7 @@ from golden.detector import corner_map, peak_responses, response_map
 from golden.subpixel import derivatives, fit_nine
 from hdl.circular_buffer import CircularBuffer
 from hdl.detector import Detector
+from hdl.identifiers import plain_port
 from hdl.subpixel import Subpixel
 from hdl.thresholds import settings_layout
 from tests.photographs import PHOTOGRAPHS, photograph
@@ -68,7 +69,7 @@ def test_port_table() -> None:
     for line in re.findall(r"^\| (`.*` \| \d+) \|", text, re.MULTILINE):
         names, bits = line.split(" | ")
         told |= {name: int(bits) for name in re.findall(r"`(\w+)`", names)}
-    assert {name: told[name] for name in widths} == widths
+    assert {name: told[plain_port(name)] for name in widths} == widths
 
 
 @pytest.mark.parametrize("buffering", ["lean", "banked"])
