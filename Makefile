@@ -19,7 +19,7 @@ LOWEST := $(BUILD)/lowest
 LOWEST_BIN := $(LOWEST)/bin
 # what the versions of other people's packages can break, as far as it is quick
 LOWEST_TESTS := tests/golden $(patsubst %,tests/cornerstream/test_%.py,bad_input commands export files images \
-    package process) tests/sim/test_cache.py tests/sim/test_compiler.py \
+    images_depth images_kinds package process) tests/sim/test_cache.py tests/sim/test_compiler.py \
     'tests/sim/test_waves.py::test_waves_of_the_first_clocks[compiled]'
 # where no C++ compiler is found, one comes from PyPI
 COMPILER = $(shell for compiler in "$${CXX%% *}" c++ g++ clang++; do \
