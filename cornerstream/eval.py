@@ -224,9 +224,9 @@ def figures_text(result: Record) -> str:
 def _size(text: str | None) -> tuple[int, int] | None:
     if text is None:
         return None
-    found = re.fullmatch(r"(\d+)x(\d+)", text)
+    found = re.fullmatch(r"(\d{1,3})x(\d{1,3})", text)
     if not found or min(int(found[1]), int(found[2])) < 3:
         raise BadInput(
-            f"board size is {text!r}; allowed: inner corners along both sides, 3x3 or more, as in 9x6"
+            f"board size is {text!r}; allowed: inner corners along both sides, 3x3 to 999x999, as in 9x6"
         )
     return int(found[1]), int(found[2])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -121,7 +122,8 @@ def load_video(path: Path) -> list[Pair]:
         if len(frames) <= FRAMES_APART or len({frame.shape for frame in frames}) > 1:
             raise BadInput(f"{path} is no video; allowed: {FRAMES_APART + 1} or more frames of one size")
         return frame_pairs(frames, path.name, path.name, pairs=PAIRS_PER_VIDEO, apart=FRAMES_APART)
-    # OpenCV writes its own complaints on stderr
+    # OpenCV and FFmpeg, which it calls, write complaints of their own on stderr
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     opencv().utils.logging.setLogLevel(0)
     try:
         return video_pairs(path, path.stem)

@@ -25,7 +25,7 @@ _CHECK = re.compile(
     r"\s*^Slack\s*: (?P<slack>-?\d+(?:\.\d+)?)\s*$",
     re.MULTILINE,
 )
-_M9K = re.compile(r"^; M9Ks +; ([\d,]+) / ", re.MULTILINE)
+_M9K = re.compile(r"^; M9Ks +; ([\d,]{1,20}) / ", re.MULTILINE)
 _PERIOD = re.compile(r"^\s*set period (\d+(?:\.\d+)?)\s*$", re.MULTILINE)
 
 
@@ -183,11 +183,11 @@ def _read(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
-        raise ReportError(f"cannot read {path}: {error.strerror}") from error
+        raise ReportError(f"cannot read {path}: {error.strerror}; allowed: a report of Quartus") from error
 
 
 def _figure(values: dict[str, str], name: str, path: Path) -> int:
-    match = re.match(r"([\d,]+)(?: /|$)", values.get(name, ""))
+    match = re.match(r"([\d,]{1,20})(?: /|$)", values.get(name, ""))
     if match is None:
         raise ReportError(f"{path}: no figure {name!r}; allowed: a Fitter summary of a Cyclone IV device")
     return int(match[1].replace(",", ""))

@@ -358,6 +358,7 @@ def without(text: str, line: str) -> str:
         ("", STA, "Fitter Status is 'missing'; allowed: a successful compilation"),
         (FIT.replace("Successful", "Failed"), STA, "Fitter Status is 'Failed - Sun Nov"),
         (without(FIT, "Total logic elements"), STA, "no figure 'Total logic elements'; allowed: a Fitter"),
+        (FIT.replace(" 5,123 /", f" {'9' * 5000} /"), STA, "no figure 'Total logic elements'"),
         (FIT.replace(" 591,699 /", " some /"), STA, "no figure 'Total memory bits'"),
     ],
 )

@@ -234,6 +234,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (["--images", "broken"], ["broken/a.png is not an image"]),
         (["--boards", "text.mp4"], ["text.mp4 is no folder"]),
         (["--boards", "one", "--board-size", "9"], ["board size is '9'; allowed:", "as in 9x6"]),
+        (["--boards", "one", "--board-size", "1000x6"], ["board size is '1000x6'", "3x3 to 999x999"]),
         (["--boards", "one", "--board-size", "2x6"], ["board size is '2x6'; allowed: inner corners"]),
         (["--pairs", "one"], ["one has no homographies; allowed: 3x3 numbers in files named H_1_2.txt"]),
         (["--pairs", "bad"], ["bad/H_1_2.txt is no homography; allowed: 3x3 numbers"]),
