@@ -52,6 +52,27 @@ EDGE_MUTATIONS = {
         "tests/hdl/edges/test_registers.py",
         "sticky",
     ),
+    "a frame is done while its end waits": (
+        "hdl/edges/packet_constructor.py",
+        "delivered = self.o.valid & self.o.ready & self.o.payload.last",
+        "delivered = self.o.valid & self.o.payload.last",
+        "tests/hdl/edges/test_packet_constructor.py",
+        "packets_by_hand",
+    ),
+    "a timeout that is lowered is passed over": (
+        "hdl/edges/watchdog.py",
+        "waited >= self.limit",
+        "waited == self.limit",
+        "tests/hdl/edges/test_watchdog.py",
+        "lowered",
+    ),
+    "a write of no byte is refused": (
+        "hdl/edges/register_bank.py",
+        "bus.write & bus.write_mask.any()",
+        "bus.write",
+        "tests/hdl/edges/test_registers.py",
+        "no_byte",
+    ),
     "a control packet is taken for video": (
         "hdl/edges/avalon.py",
         "self.asi_video_data[:PACKET_TYPE_BITS] == VIDEO_PACKET",
