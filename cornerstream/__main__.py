@@ -10,6 +10,8 @@ import io
 import os
 import signal
 import sys
+import traceback
+import warnings
 from types import FrameType
 from typing import NoReturn
 
@@ -21,17 +23,15 @@ def main() -> NoReturn:
         if signal.getsignal(ending) is signal.SIG_DFL:
             signal.signal(ending, _end)
     _mend_standard_streams()
-    code: object = 1
+    code: object = 0
     try:
         from cornerstream.cli import main as command
 
         command(prog_name="cornerstream")
-    except SystemExit as ended:
-        code = ended.code
-    except KeyboardInterrupt:
-        code = 128 + signal.SIGINT
-    except Exception as error:
-        code = _unexpected(error)
+    except BaseException as error:
+        # designs that an interruption leaves unfinished are no news
+        warnings.simplefilter("ignore")
+        code = _exit_code(error)
     # what is left to do is Python's, which would answer with a traceback
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     _drop_what_cannot_be_written()
@@ -54,11 +54,18 @@ def _end(number: int, frame: FrameType | None) -> NoReturn:
     raise SystemExit(128 + number)
 
 
-def _unexpected(error: Exception) -> int:
+def _exit_code(error: BaseException) -> object:
+    if isinstance(error, SystemExit):
+        return error.code
+    if isinstance(error, KeyboardInterrupt):
+        return 128 + signal.SIGINT
     if os.environ.get("CORNERSTREAM_TRACEBACK"):
-        raise error
-    what = " ".join(f"{type(error).__name__}: {error}".split())
-    print(f"Error: {what} (a fault of cornerstream; CORNERSTREAM_TRACEBACK=1 shows where)", file=sys.stderr)
+        traceback.print_exception(error)
+    else:
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        print(
+            f"Error: {what} (a fault of cornerstream; CORNERSTREAM_TRACEBACK=1 shows where)", file=sys.stderr
+        )
     return 1
 
 
