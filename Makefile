@@ -133,5 +133,5 @@ $(LOWEST)/.installed: pyproject.toml .ci/lowest.py | $(BIN)/python
 	$(BIN)/python -m venv --clear $(LOWEST)
 	$(BIN)/python .ci/lowest.py > $(LOWEST)/constraints.txt
 	$(LOWEST_BIN)/python -m pip --disable-pip-version-check install --quiet --constraint $(LOWEST)/constraints.txt \
-	    --editable '.$(COMPILER)' pytest pytest-xdist hypothesis opencv-python-headless
+	    --editable '.$(COMPILER)' pytest pytest-xdist hypothesis matplotlib opencv-python-headless
 	@touch $@

@@ -72,6 +72,11 @@ def activity(text: str) -> Iterator[None]:
 @contextmanager
 def progress(text: str, total: int) -> Iterator[Callable[[int], None]]:
     """A bar on stderr, moved by calling the result with what is done so far; nothing if it is no terminal."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        # rich would end a bar that nobody sees with an empty line
+        yield lambda done: None
+        return
     columns = (
         SpinnerColumn(),
         TextColumn("{task.description}"),
@@ -79,10 +84,6 @@ def progress(text: str, total: int) -> Iterator[Callable[[int], None]]:
         MofNCompleteColumn(),
         TimeRemainingColumn(),
     )
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda done: None
-        return
     with Progress(*columns, console=console, transient=True) as bar:
         # what comes before the first step, such as compiling, is not to spoil the estimate
         task = bar.add_task(text, total=total, start=False)
