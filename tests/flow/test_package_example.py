@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from flow.command import command
 from flow.package import MANIFEST, PackageInterface, package_files
 from golden import Parameters, Settings
 from golden.version import VERSION
@@ -198,7 +199,8 @@ def test_the_package_says_what_is_in_it(interface: PackageInterface, changes: di
     assert changes.items() <= manifest["parameters"].items()
     readme = files["README.md"]
     assert all(f"| `{name}` |" in readme for name in files if name != "README.md")
-    assert f"cornerstream package --interface {interface}\n" in readme
+    parameters = Parameters(**{"max_width": WIDTH, "max_height": HEIGHT, **changes})
+    assert f"\n{command('package', parameters, interface=interface)}\n" in readme
     reach = 4 if manifest["parameters"]["fit"] == "gradient" else 0.5
     assert f"a corner is at most {reach} pixels from its peak" in readme
     for name, text in files.items():
