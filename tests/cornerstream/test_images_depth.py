@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from PIL import Image
 
 from cornerstream.cli import main
@@ -16,6 +16,7 @@ from cornerstream.images import default_photograph, load
 from cornerstream.images.depth import eight_bits, fitted, normalized
 from golden import Parameters, Settings, detect, profile
 from tests.image_files import FLOAT, png, tiff
+from tests.runner import CliRunner
 
 Y, X = np.mgrid[:48, :64]
 SQUARES = np.where((Y // 12 % 2) & (X // 12 % 2), 3600, 500).astype(np.uint16)

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from PIL import Image
 
 import cornerstream.simulation
@@ -18,6 +17,7 @@ from cornerstream.cli import main
 from golden import PROFILES, Parameters, Settings, StreamModel, detection, profile
 from sim import Mismatch
 from tests.photographs import photograph
+from tests.runner import CliRunner
 
 PAGE = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
 WIDTH, HEIGHT = 40, 30
