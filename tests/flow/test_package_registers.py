@@ -232,7 +232,7 @@ def test_the_page_names_every_bit() -> None:
 
 def test_options_are_in_the_map_where_they_are_built_and_nowhere_else() -> None:
     plain, built = (driver_map(p).registers for p in (PARAMETERS, Parameters(budget=True, suppression=3)))
-    assert set(built) - set(plain) == {"BUDGET", "ADAPTED"}
+    assert set(built) - set(plain) == {"BUDGET", "ADAPTED", "REFERENCE"}
     names = set(built["CAPABILITY"].fields) - set(plain["CAPABILITY"].fields)
     assert names == {"budget", "suppression"}
     fields = built["CAPABILITY"].fields
