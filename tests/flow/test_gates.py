@@ -13,7 +13,7 @@ from flow.synthesis import Synthesis, synthesize
 from golden import Settings, StreamModel, profile
 from golden.parameters import Buffering
 from hdl.detector import Detector
-from sim import Stalls, compare, make_engine, simulate_frames, summarize
+from sim import Stalls, compare, compiler, make_engine, simulate_frames, summarize
 from tests.photographs import photograph
 
 WIDTH, HEIGHT = 96, 64
@@ -28,8 +28,10 @@ def synthesized(buffering: Buffering) -> Synthesis:
 @pytest.mark.slow
 @pytest.mark.parametrize("buffering", ["lean", "banked"])
 def test_netlist_is_bit_exact_on_a_photograph(
-    buffering: Buffering, tmp_path_factory: pytest.TempPathFactory
+    buffering: Buffering, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    # optimized, so many gates take a minute to compile, and these frames a second
+    monkeypatch.setattr(compiler, "_FLAGS", (*compiler._FLAGS, "-O0"))
     synthesis = synthesized(buffering)
     parameters = synthesis.parameters
     path = tmp_path_factory.mktemp("gates") / "gates.v"
