@@ -35,7 +35,8 @@ STATUS, SIZE, CONTROL, IRQ_ENABLE, TIMEOUT = 0x14, 0x1C, 0x10, 0x18, 0x34
 
 def writable(bench: Bench) -> dict[int, int]:
     response = (1 << bench.parameters.response_bits) - 1
-    budget = {0x38: ALL} if bench.parameters.budget else {}
+    # the rank, and two bits of smoothing
+    budget = {0x38: ALL, 0x3C: 0x3FFFF} if bench.parameters.budget else {}
     return {**WRITABLE, **budget, 0x28: response, 0x2C: response}
 
 
@@ -69,7 +70,7 @@ def reset_values(bench: Bench) -> dict[int, int]:
         0x30: 0xFF_FFFF,
         TIMEOUT: 0xFF_FFFF,
         **dict.fromkeys((0x40, 0x44, 0x48, 0x4C, 0x50), 0),
-        **(dict.fromkeys((0x38, 0x54), 0) if p.budget else {}),
+        **(dict.fromkeys((0x38, 0x3C, 0x54), 0) if p.budget else {}),
     }
 
 
