@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+import sys
 from numbers import Integral, Real
 from typing import TypeGuard, get_args
 
@@ -40,8 +40,13 @@ def check_switch(field: str, value: object) -> None:
 
 def check_distance(name: str, value: object) -> None:
     """Raise ``ValueError`` naming the argument, its value and what is allowed, unless it is a distance in pixels."""
-    if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) < inf:
+    if not _is_within(value, sys.float_info.max):
         raise ValueError(f"{name} is {value!r}; allowed: numbers of pixels from 0")
+
+
+def _is_within(value: object, most: float) -> TypeGuard[float]:
+    """Is this a number from 0 to ``most``? Not NaN; compared as it is, for a float holds not every whole number."""
+    return isinstance(value, Real) and not isinstance(value, bool) and bool(0 <= value <= most)  # type: ignore[operator]
 
 
 def plain_integer(frozen: object, field: str, low: int, high: int) -> None:
@@ -53,8 +58,7 @@ def plain_integer(frozen: object, field: str, low: int, high: int) -> None:
 
 def check_fraction(field: str, value: object, limit: int, bits: int) -> None:
     """Raise ``ValueError`` unless it is 0, or below the limit and no less than rounds to 2**-bits."""
-    # written so that NaN fails too
-    if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) < limit:
+    if not _is_within(value, limit) or value == limit:
         raise ValueError(f"{field} is {value!r}; allowed: 0 <= {field} < {limit}")
     if float(value) > 0 and round(float(value) * (1 << bits)) == 0:
         step = f"1/{1 << bits}"

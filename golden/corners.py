@@ -41,6 +41,14 @@ def _equal(one: Any, other: Any) -> bool:
     return np.array_equal(one, other) if isinstance(one, np.ndarray) else bool(one == other)
 
 
+_KINDS: dict[str, tuple[type[np.generic], ...]] = {
+    "x": (np.float64,),
+    "y": (np.float64,),
+    "response": (np.int64, np.float64),
+    "flags": (np.uint8,),
+}
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Corners(ByValue):
     """Corners in raster order, as parallel arrays of one length; empty arrays where there are none.
@@ -60,7 +68,7 @@ class Corners(ByValue):
     Raises
     ------
     TypeError, ValueError
-        An attribute is no array, or the arrays are not of one length.
+        An attribute is no array, or one of other numbers; or the arrays are not of one length.
     """
 
     x: NDArray[np.float64]
@@ -72,6 +80,10 @@ class Corners(ByValue):
         for name, value in vars(self).items():
             if not isinstance(value, np.ndarray):
                 raise TypeError(f"{name} is a {type(value).__name__}; allowed: a NumPy array")
+            # unsigned responses, for one, would be sorted wrongly
+            if not any(np.issubdtype(value.dtype, kind) for kind in _KINDS[name]):
+                allowed = " or ".join(kind.__name__ for kind in _KINDS[name])
+                raise TypeError(f"{name} has dtype {value.dtype}; allowed: {allowed}")
             if value.shape != (value.size,) or value.size != self.x.size:
                 raise ValueError(f"{name} has shape {value.shape}; allowed: (n,), the same for all four")
 

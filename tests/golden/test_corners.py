@@ -88,6 +88,21 @@ def test_arrays_are_of_one_length() -> None:
         replace(FOUR, flags=[0, 0, 0, 0])
 
 
+@pytest.mark.parametrize(
+    ("field", "kind", "allowed"),
+    [
+        ("x", "float32", "float64"),
+        ("y", "int64", "float64"),
+        # the negative of an unsigned number, by which the strongest come first, is none
+        ("response", "uint32", "int64 or float64"),
+        ("flags", "float64", "uint8"),
+    ],
+)
+def test_kinds_of_numbers(field: str, kind: str, allowed: str) -> None:
+    with pytest.raises(TypeError, match=f"^{field} has dtype {kind}; allowed: {allowed}$"):
+        replace(FOUR, **{field: getattr(FOUR, field).astype(kind)})
+
+
 def test_columns() -> None:
     columns = FOUR.to_dict()
     assert list(columns) == ["x", "y", "response", "accepted", "clamped", "not_maximum"]
@@ -154,7 +169,7 @@ def test_as_one_by_one(rows: list[tuple[int, int, int, bool]], distance: float) 
     assert found.apart(distance) == one_by_one(found, distance)
 
 
-@pytest.mark.parametrize("distance", [-1, float("nan"), float("inf"), "3", None, True])
+@pytest.mark.parametrize("distance", [-1, float("nan"), float("inf"), 10**400, "3", None, True])
 def test_distance_is_a_number(distance: Any) -> None:
     with pytest.raises(ValueError, match=f"^distance is {distance!r}; allowed: numbers of pixels from 0$"):
         FOUR.apart(distance)

@@ -62,7 +62,7 @@ def test_choices_of_parameters(field: str) -> None:
 def test_sigmas(field: str, limit: int) -> None:
     for value in (0, 0.0, limit / 2, math.nextafter(limit, 0), np.float64(0.25)):
         assert getattr(Settings(**{field: value}), field) == value
-    for value in (-1e-9, limit, limit + 1.5, math.nan, math.inf, -math.inf, "0.1", None, True, 1j):
+    for value in (-1e-9, limit, limit + 1.5, 10**400, math.nan, math.inf, -math.inf, "0.1", None, True, 1j):
         assert refusal(Settings, **{field: value}) == f"{field} is {value!r}; allowed: 0 <= {field} < {limit}"
 
 
