@@ -216,8 +216,10 @@ def take(items: list[T], chosen: list[bool]) -> list[T]:
 def _by_view(pairs: list[Pair], found: list[Score]) -> Record:
     values: dict[str, list[float]] = {}
     for pair, each in zip(pairs, found, strict=True):
-        values.setdefault(pair.name, []).append(each.repeatability)
-    return {view: plain(float(np.nanmean(some))) for view, some in values.items()}
+        known = values.setdefault(pair.name, [])
+        if np.isfinite(each.repeatability):
+            known.append(each.repeatability)
+    return {view: plain(float(np.mean(some))) if some else None for view, some in values.items()}
 
 
 def by_fit() -> list[Detector]:

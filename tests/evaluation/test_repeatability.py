@@ -71,7 +71,8 @@ def test_numbers_are_those_of_the_detector_that_finds_fewest(camera: NDArray[np.
     found = scores([empty], ALL, EQUAL, Memory())
     for (score,) in found.values():
         assert score.second == 0 and np.isnan(score.repeatability)
-    assert mode_figures([empty], found)["paper"]["all"]["repeatability"]["value"] is None
+    figures = mode_figures([empty], found, views=True)["paper"]
+    assert figures["all"]["repeatability"]["value"] is None and figures["views"] == {"a view": None}
 
 
 def test_match_is_mutual_and_within_the_tolerance() -> None:
