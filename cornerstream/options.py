@@ -43,15 +43,21 @@ _USUAL = Settings()
 
 
 class _GivenPath(click.Path):
-    """A path that was typed; an empty one, such as a shell variable that is not set leaves, is none."""
+    """A path that was typed.
+
+    An empty one, such as a shell variable that is not set leaves, is none; neither is ``-``, which others take for
+    stdin or stdout, or there would be a file of that name.
+    """
 
     def __init__(self) -> None:
         super().__init__(path_type=Path)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        if not value or "\0" in str(value):
-            what = "has a null character" if value else "is empty"
-            self.fail(f"the path {what}; allowed: that of a file or folder", param, ctx)
+        wrong = {"": "is empty", "-": "is '-'"}.get(str(value)) or (
+            "\0" in str(value) and "has a null character"
+        )
+        if wrong:
+            self.fail(f"the path {wrong}; allowed: that of a file or folder, such as /dev/stdout", param, ctx)
         return super().convert(value, param, ctx)
 
 

@@ -177,6 +177,7 @@ def test_option_of_simulate(folder: Path, option: str, value: str, parts: list[s
         (["--pixel-bits", "3"], ["pixel_bits is 3", "allowed: whole numbers from 4 to 10"]),
         (["-o", "good.png/core.v"], ["good.png: File exists", "allowed: a folder that can be written"]),
         (["-o", "folder.png"], ["folder.png: Is a directory", "allowed"]),
+        (["-o", "-"], ["the path is '-'; allowed: that of a file or folder, such as /dev/stdout"]),
     ],
 )
 def test_verilog(folder: Path, arguments: list[str], parts: list[str]) -> None:
