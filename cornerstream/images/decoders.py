@@ -163,6 +163,8 @@ def _upright(decoded: Decoded, orientation: int, *, turned: bool = False) -> Dec
 
 
 def _grey(image: Image.Image, header: Header, remarks: list[str]) -> Numbers:
+    if header.unspecified:
+        remarks.append("samples beside grey or colours whose meaning is not said: ignored")
     if header.largest is not None:
         remarks.append(f"grey of 0 to {header.largest}: stretched to full scale")
     if image.mode == "1":

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from PIL import TiffImagePlugin
 from PIL.TiffTags import TAGS_V2
 
@@ -53,6 +54,8 @@ class Header:
         A PNG of several pictures; the other formats' decoders tell.
     largest
         The number that is white, where that is not all ones (PGM).
+    unspecified
+        There are samples beside grey or colours that are no transparency, or nobody says what (TIFF).
     """
 
     format: str
@@ -64,6 +67,7 @@ class Header:
     transparent: int | None = None
     animated: bool = False
     largest: int | None = None
+    unspecified: bool = False
 
     @property
     def plain(self) -> bool:
@@ -154,6 +158,7 @@ def _tiff(data: bytes) -> Header:
         layout=layout,
         white_is_zero=photometric == 0,
         orientation=tag("Orientation", 1),
+        unspecified=0 in tag("ExtraSamples", ()),
     )
 
 
@@ -177,9 +182,14 @@ def _pnm(data: bytes) -> Header:
         return Header("PPM", 1, layout="grey")
     if kind == b"f":
         return Header("PPM", 32, "floating-point", "grey")
-    # comments run to the end of their line
-    words = re.sub(rb"#[^\r\n]*", b" ", data[2:10000]).split(maxsplit=3)
-    largest = int(words[2])
+    # comments run to the end of their line; as blanks they leave everything at its place
+    start = re.sub(rb"#[^\r\n]*", lambda comment: b" " * len(comment[0]), data[:10000])
+    words = re.match(rb"P.\s+(\d+)\s+(\d+)\s+(\d+)\s", start)
+    if words is None:
+        raise ValueError("it has no size and largest number")
+    width, height, largest = map(int, words.groups())
+    if kind in b"56":
+        _check_samples(data, words.end(), width * height * (3 if kind == b"6" else 1), largest)
     full = largest == (1 << largest.bit_length()) - 1
     return Header(
         "PPM",
@@ -187,6 +197,15 @@ def _pnm(data: bytes) -> Header:
         layout="grey" if kind in b"25" else "RGB",
         largest=None if full else largest,
     )
+
+
+def _check_samples(data: bytes, start: int, count: int, largest: int) -> None:
+    """Decoders cut what is larger than the heading says, where they have to stretch."""
+    dtype = np.dtype(np.uint8 if largest < 256 else ">u2")
+    there = min(count, (len(data) - start) // dtype.itemsize)
+    found = int(np.frombuffer(data, dtype, there, start).max(initial=0))
+    if found > largest:
+        raise ValueError(f"it holds the number {found}, and its heading says {largest} at most")
 
 
 def _sgi(data: bytes) -> Header:

@@ -197,6 +197,33 @@ def test_pgm_whose_white_is_no_power_of_two(tmp_path: Path, largest: int, bits: 
     assert photograph.remarks == (f"grey of 0 to {largest}: stretched to full scale",)
 
 
+@pytest.mark.parametrize("plain", [False, True])
+@pytest.mark.parametrize(("channels", "largest"), [(1, 100), (1, 1000), (1, 1023), (3, 100)])
+def test_numbers_beyond_the_largest(tmp_path: Path, channels: int, largest: int, plain: bool) -> None:
+    """The last number is too large; behind the pixels of a binary file it does not count."""
+    numbers = np.full((15, 15, 3) if channels == 3 else (15, 15), largest // 3)
+    path = tmp_path / "beyond.pnm"
+    if not plain:
+        path.write_bytes(pgm(numbers, largest) + b"\xff\xff")
+        assert len(set(load(path, PARAMETERS).pixels.flat)) == 1
+    numbers.flat[-1] = largest + 1
+    path.write_bytes(pgm(numbers, largest, plain=plain))
+    with pytest.raises(BadInput, match=f"is damaged: .*{largest + 1}"):
+        load(path, PARAMETERS)
+
+
+@pytest.mark.parametrize("colour", [False, True])
+def test_samples_that_nobody_explains(tmp_path: Path, colour: bool) -> None:
+    """They are no transparency, and are said to be left out."""
+    channels = [GRADIENT] * (3 if colour else 1)
+    path = tmp_path / "more.tif"
+    path.write_bytes(tiff(np.dstack([*channels, GRADIENT // 2]), 8, 2 if colour else 1, extra=0))
+    photograph = load(path, PARAMETERS)
+    assert photograph.pixels.tolist() == GRADIENT.tolist()
+    assert photograph.remarks[0] == "samples beside grey or colours whose meaning is not said: ignored"
+    assert len(photograph.remarks) == (2 if colour else 1)
+
+
 @pytest.mark.parametrize("compression", ["packbits", "tiff_lzw", "tiff_adobe_deflate", "group4", "jpeg"])
 def test_compressed_tiff(tmp_path: Path, compression: str) -> None:
     image = Image.fromarray(GRADIENT)
