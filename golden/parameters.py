@@ -229,6 +229,8 @@ class Parameters:
 class Settings:
     """What can change from frame to frame; the hardware latches it at each start of frame.
 
+    Constant and floor are by default those of 8-bit pixels; :meth:`default` has those of others.
+
     Parameters
     ----------
     sigma1

@@ -188,6 +188,8 @@ def _pnm(data: bytes) -> Header:
     if words is None:
         raise ValueError("it has no size and largest number")
     width, height, largest = map(int, words.groups())
+    if not 0 < largest < 1 << 16:
+        raise ValueError(f"its largest number is {largest}, and can be 1 to 65535")
     if kind in b"56":
         _check_samples(data, words.end(), width * height * (3 if kind == b"6" else 1), largest)
     full = largest == (1 << largest.bit_length()) - 1

@@ -212,6 +212,16 @@ def test_numbers_beyond_the_largest(tmp_path: Path, channels: int, largest: int,
         load(path, PARAMETERS)
 
 
+@pytest.mark.parametrize("largest", [0, 65536])
+def test_largest_number_that_there_is_not(tmp_path: Path, largest: int) -> None:
+    path = tmp_path / "largest.pgm"
+    path.write_bytes(pgm(np.zeros((15, 15), int), largest))
+    with pytest.raises(
+        BadInput, match=f"is damaged: its largest number is {largest}, and can be 1 to 65535;"
+    ):
+        load(path, PARAMETERS)
+
+
 @pytest.mark.parametrize("colour", [False, True])
 def test_samples_that_nobody_explains(tmp_path: Path, colour: bool) -> None:
     """They are no transparency, and are said to be left out."""
