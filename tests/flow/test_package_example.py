@@ -203,6 +203,8 @@ def test_the_package_says_what_is_in_it(interface: PackageInterface, changes: di
     assert f"\n{command('package', parameters, interface=interface)}\n" in readme
     reach = 4 if manifest["parameters"]["fit"] == "gradient" else 0.5
     assert f"a corner is at most {reach} pixels from its peak" in readme
+    less = " less SIGMA2 times the local level of D" if parameters.texture == "mean" else ""
+    assert f"| 60:40 | response{less} |" in readme
     for name, text in files.items():
         assert text.endswith("\n") and not text.endswith("\n\n"), name
         if not name.startswith("rtl/"):
