@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden import Parameters, Settings, StreamModel, profile
-from golden.detector import frame_records, response_map
+from golden.detector import frame_records, largest_response, response_map
 from golden.thresholds import choose_reference, thresholds
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ def _follow(law: str, frames: list[Image], target: int, parameters: Parameters) 
         records = frame_records(image, responses, limits._replace(t1=t1), parameters, report_rejected=False)
         counts.append(len(records))
         t1s.append(t1)
-        t1, previous = stepped(t1, len(records), target, least), int(responses.max())
+        t1, previous = stepped(t1, len(records), target, least), largest_response(responses, parameters)
     return {"counts": counts, "t1": t1s}
 
 

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from evaluation.packages import opencv
 from golden import Parameters, Settings, detect
-from golden.detector import corner_map, response_map
+from golden.detector import corner_map, frame_thresholds, response_map
 from golden.parameters import MARGIN, Fit
-from golden.thresholds import choose_reference, thresholds
 
 Positions = NDArray[np.float64]
 
@@ -76,13 +75,14 @@ def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) 
     positions = {INTEGER: pixels.astype(np.float64)}
     positions |= {name: np.column_stack([corners.x, corners.y]) for name, corners in found.items()}
     positions[OPENCV] = corner_sub_pix(image, pixels)
+    assert len({len(each) for each in positions.values()}) == 1, "rows are not the same corners"
     return Placements(positions, found[parameters.fit].accepted)
 
 
 def whole_pixels(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> NDArray[np.int64]:
     """(n, 2) pixels at which the response has its maxima, in the order of the records."""
     responses = response_map(image, parameters)
-    limits = thresholds(settings, choose_reference(settings, int(responses.max())), parameters)
+    _, limits = frame_thresholds(image, responses, parameters, settings, None)
     rows, columns = np.nonzero(corner_map(responses, limits.t1, parameters))
     return np.column_stack([columns, rows]) + MARGIN
 

@@ -22,7 +22,7 @@ from flow.area import Area
 from flow.synthesis import map_component
 from golden import Corners, Parameters, Settings, decode
 from golden.convolution import KERNEL, SHIFT
-from golden.detector import corner_map, frame_records, response_map
+from golden.detector import corner_map, frame_records, frame_thresholds, largest_response, response_map
 from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.parameters import MARGIN, OFFSET_BITS, WINDOW_SIZE
 from golden.preprocessing import IntArray, gradients, products
@@ -218,7 +218,7 @@ def _detections(
 def _corners(image: NDArray[np.uint8], responses: IntArray, parameters: Parameters, cut: int) -> Corners:
     """With the default thresholds, in units of what is left of D."""
     settings = Settings.default(parameters)
-    reference = max(int(responses.max()), settings.floor >> cut)
+    reference = max(largest_response(responses, parameters), settings.floor >> cut)
     limits = thresholds(settings, reference, parameters)
     return decode(frame_records(image, responses, limits, parameters, report_rejected=False))
 
@@ -261,7 +261,7 @@ def _windows(image: NDArray[np.uint8], parameters: Parameters) -> NDArray[np.uin
     """The pixels around every corner, by the default T1 and whatever the texture filter says."""
     responses = response_map(image, parameters)
     settings = Settings.default(parameters)
-    t1, _ = thresholds(settings, max(int(responses.max()), settings.floor), parameters)
+    _, (t1, _) = frame_thresholds(image, responses, parameters, settings, None)
     rows, columns = np.nonzero(corner_map(responses, t1, parameters))
     around = MARGIN - PIXEL_SIZE // 2
     windows = np.lib.stride_tricks.sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))

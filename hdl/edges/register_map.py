@@ -335,7 +335,7 @@ def _results(p: Parameters) -> tuple[Register, ...]:
             "MAXIMUM",
             0x50,
             "ro",
-            "Of the last complete frame: the next one's reference.",
+            "Of the last complete frame: the next one's reference, where nothing else is set.",
             (Field("maximum", 0, RESPONSE_FIELD_BITS, "Largest response D where a corner may be."),),
         ),
     )

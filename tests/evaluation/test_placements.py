@@ -28,6 +28,19 @@ def test_every_corner_by_every_method(profile: str, camera: NDArray[np.uint8]) -
     assert np.array_equal(found.accepted, own.accepted)
 
 
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_mark_where_no_corner_can_be_changes_nothing(profile: str, camera: NDArray[np.uint8]) -> None:
+    """Whole pixels have the thresholds of the records beside them."""
+    plain = camera[100:300, 200:400].copy()
+    marked = plain.copy()
+    plain[:9, :9] = 0
+    marked[:9, :9] = 0
+    marked[:3, :3] = 255
+    found, same = (place(image, PROFILES[profile], SETTINGS) for image in (marked, plain))
+    assert len(found.accepted) > 40
+    assert all(np.array_equal(found.positions[name], same.positions[name]) for name in same.positions)
+
+
 def test_whole_pixels_are_local_maxima(camera: NDArray[np.uint8]) -> None:
     """By a plain search: the largest of nine, in raster order, half a pixel from the fit at most."""
     found = place(camera, PROFILES["paper"], SETTINGS)
