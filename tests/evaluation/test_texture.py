@@ -18,9 +18,10 @@ from tests.photographs import photograph
 
 
 def test_the_last_step_is_the_profile_but_for_its_buffers() -> None:
-    last = steps()[-1]
+    last, robust = steps()[-1], PROFILES["robust"]
     assert isinstance(last, Ours) and last.name == ADAPTIVE and last.filtered
-    assert replace(last.parameters, buffering="lean") == PROFILES["robust"]
+    buffers = {name: getattr(robust, name) for name in ("buffering", "max_width", "max_height")}
+    assert replace(last.parameters, **buffers) == robust
 
 
 def test_views_of_photographs_are_chosen_and_all_other_pairs() -> None:
