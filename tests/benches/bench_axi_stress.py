@@ -98,7 +98,7 @@ class Traffic:
         self.count["writes"] += 1
 
     async def _refused(self) -> None:
-        address = random.choice((*READ_ONLY, 0x3C, 0x54, 0xFC))
+        address = random.choice((*READ_ONLY, 0x54, 0x58, 0xFC))
         await self._bench.registers.write(address, random.getrandbits(32), AxiResp.SLVERR)
         self.count["refused writes"] += 1
 
