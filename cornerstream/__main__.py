@@ -23,7 +23,7 @@ def main() -> NoReturn:
         if signal.getsignal(ending) is signal.SIG_DFL:
             signal.signal(ending, _end)
     _mend_standard_streams()
-    code: object = 0
+    code: int | str | None = 0
     try:
         from cornerstream.cli import main as command
 
@@ -35,7 +35,7 @@ def main() -> NoReturn:
     # what is left to do is Python's, which would answer with a traceback
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     _drop_what_cannot_be_written()
-    sys.exit(code)  # type: ignore[arg-type]
+    sys.exit(code)
 
 
 def _mend_standard_streams() -> None:
@@ -54,7 +54,7 @@ def _end(number: int, frame: FrameType | None) -> NoReturn:
     raise SystemExit(128 + number)
 
 
-def _exit_code(error: BaseException) -> object:
+def _exit_code(error: BaseException) -> int | str | None:
     if isinstance(error, SystemExit):
         return error.code
     if isinstance(error, KeyboardInterrupt):

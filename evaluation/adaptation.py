@@ -10,12 +10,12 @@ from __future__ import annotations
 import io
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from evaluation.sources import photograph
 from golden import Parameters, Settings, StreamModel, profile
 from golden.detector import frame_records, largest_response, response_map
 from golden.thresholds import choose_reference, thresholds
@@ -48,15 +48,8 @@ class Scene:
     frames: int = FRAMES
 
 
-@cache
-def _photograph(name: str) -> Image:
-    from skimage import data
-
-    return np.asarray(getattr(data, name)(), np.uint8)
-
-
 def _panned(name: str, k: int) -> Image:
-    image = _photograph(name)
+    image = photograph(name)
     top, left = 2 * k, 5 * k
     return image[top : top + HEIGHT, left : left + WIDTH]
 
@@ -64,7 +57,7 @@ def _panned(name: str, k: int) -> Image:
 def _zoomed(name: str, k: int) -> NDArray[Any]:
     from skimage.transform import resize
 
-    image, factor = _photograph(name), 1 - k / 40
+    image, factor = photograph(name), 1 - k / 40
     height, width = round(HEIGHT * factor), round(WIDTH * factor)
     top, left = (image.shape[0] - height) // 2, (image.shape[1] - width) // 2
     return np.asarray(resize(image[top : top + height, left : left + width], (HEIGHT, WIDTH)) * 255)

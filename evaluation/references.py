@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from evaluation.sources import photograph
 from golden import Parameters, Settings, StreamModel, detect
 from golden.parameters import SMOOTHING_BITS
 
@@ -41,12 +42,6 @@ FLOOR = 64
 """Low enough for that."""
 
 
-def _photograph(name: str) -> Image:
-    from skimage import data
-
-    return np.asarray(getattr(data, name)(), np.uint8)
-
-
 def with_hot_pixels(image: Image, count: int, random: np.random.Generator) -> Image:
     """Some pixels at full scale."""
     hot = image.copy()
@@ -60,7 +55,7 @@ def _hot(parameters: Parameters) -> Record:
     random = np.random.default_rng(SEED)
     shares: dict[int, dict[int, list[float]]] = {rank: {count: [] for count in HOT} for rank in RANKS}
     for name in PHOTOGRAPHS:
-        image = (_photograph(name) // CONTRAST).astype(np.uint8)
+        image = (photograph(name) // CONTRAST).astype(np.uint8)
         spoilt = [(count, with_hot_pixels(image, count, random)) for count in HOT for _ in range(DRAWS)]
         for rank, found in shares.items():
             settings = Settings.default(parameters, sigma1=SIGMA1, reference_rank=rank, floor=FLOOR)
@@ -78,7 +73,7 @@ def _hot(parameters: Parameters) -> Record:
 
 def _flicker(parameters: Parameters) -> Record:
     """By what the reference is: corners in frames of full and of less light, when all has settled."""
-    image = _photograph("coins")
+    image = photograph("coins")
     scenes = [np.rint(image * gain).astype(np.uint8) for gain in GAINS]
     usual = Settings.default(parameters, sigma1=SIGMA1, floor=FLOOR)
     ranked = replace(usual, reference_rank=RANK)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +61,14 @@ def photographs(*, quick: bool = False) -> list[NamedImage]:
         with Pictures.open(shipped_file(module, distribution, path.format(file))) as picture:
             images.append(NamedImage(Path(file).stem, np.asarray(picture.convert("L"), np.uint8), group))
     return images
+
+
+@cache
+def photograph(name: str) -> Image:
+    """One of scikit-image's grey photographs; not to be changed."""
+    from skimage import data
+
+    return np.asarray(getattr(data, name)(), np.uint8)
 
 
 _VIDEOS = {"bikes": STRUCTURE, "bigbuckbunny": TEXTURE, "carphone_pristine": STRUCTURE}

@@ -185,7 +185,7 @@ def next_adapted(
     if not settings.wanted_corners:
         return None
     everything = limits._replace(t1=0)
-    all_peaks = parameters.texture == "patches" and not settings.target_corners
+    all_peaks = parameters.texture == "patches" and settings.by_rank
     records = frame_records(image, responses, everything, parameters, report_rejected=all_peaks)
     counts = histogram(decode(records).response.astype(np.int64), parameters)
     adapted = adapted_threshold(counts, settings.wanted_corners, parameters)

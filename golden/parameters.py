@@ -337,6 +337,11 @@ class Settings:
         }
 
     @property
+    def by_rank(self) -> bool:
+        """Is Dref, where there is a frame before, what the rank asks for? A target comes first."""
+        return self.reference_rank > 0 and not self.target_corners
+
+    @property
     def wanted_corners(self) -> int:
         """How many corners the D exceed that is taken from one frame to the next; 0: none is."""
         return self.target_corners or self.reference_rank

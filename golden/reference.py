@@ -218,11 +218,11 @@ def reference_detect(
             return value, value > t1
         return float(peaks[y, x]), texturization(responses, x, y, parameters.patches) < t2
 
-    ranked = settings.reference_rank and settings.reference == "previous" and not given
+    ranked = settings.by_rank and settings.reference == "previous" and not given
     if settings.target_corners or ranked:
         everything = corner_map(peaks, 0.0, parameters.ties, parameters.suppression)
         judged = [judge(y, x, 0.0) for y, x in np.argwhere(everything).tolist()]
-        every = parameters.texture == "patches" and not settings.target_corners
+        every = parameters.texture == "patches" and ranked
         values = sorted(value for value, accepted in judged if accepted or every)
         beyond = max([0.0, *values[: -settings.wanted_corners]])
         if settings.target_corners:

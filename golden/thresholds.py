@@ -24,7 +24,7 @@ def choose_reference(settings: Settings, previous_maximum: int | None, adapted: 
     """
     if settings.reference == "constant" or previous_maximum is None:
         return max(settings.constant, settings.floor)
-    if settings.reference_rank and not settings.target_corners and adapted is not None:
+    if settings.by_rank and adapted is not None:
         return max(adapted, settings.floor)
     return max(previous_maximum, settings.floor)
 

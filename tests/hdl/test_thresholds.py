@@ -77,15 +77,11 @@ def limits(
     for _, settings in frames:
         # what is adapted is known of a frame before, or there is nothing
         reference = golden.choose_reference(settings, previous if adapted is None else LARGEST, adapted)
-        if adapted is not None and previous is None and not by_rank(settings):
+        if adapted is not None and previous is None and not settings.by_rank:
             reference = golden.choose_reference(settings, None)
         result.append(golden.thresholds(settings, reference, parameters, adapted))
         previous = LARGEST
     return result
-
-
-def by_rank(settings: Settings) -> bool:
-    return settings.reference_rank > 0 and settings.target_corners == 0
 
 
 def check(
