@@ -12,7 +12,7 @@ TEST := $(VENV)/.installed-test
 EVAL := $(VENV)/.installed-eval
 SYNTH := $(VENV)/.installed-synth
 FORMAL := $(VENV)/.installed-formal
-SOURCES := $(wildcard golden/*.py hdl/*.py hdl/edges/*.py flow/*.py)
+SOURCES := $(shell find golden hdl flow -name "*.py")
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
 LOWEST := $(BUILD)/lowest

@@ -43,7 +43,7 @@ def bench(repeats: int, turns: int, no_engines: bool, as_json: bool) -> None:
       cornerstream bench --json > build/speed.json
     """
     refuse_idle(Idle("turns", no_engines, "without --no-engines"))
-    from evaluation import speed
+    from evaluation.comparison import speed
 
     try:
         speed.opencv()

@@ -17,11 +17,11 @@ from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import GIVEN_PATH, output_option
 from cornerstream.own_data import load_boards, load_images, load_pairs, load_video
 from cornerstream.tools import running_tools
-from evaluation.packages import MissingPackageError
-from evaluation.pictures import pictures
-from evaluation.plots import plots
-from evaluation.study import NOT_QUICK, SECTIONS, Own, Record, Section, check_packages, study
-from evaluation.study_page import FIGURES_NAME, PAGE_NAME, PICTURES, page
+from evaluation.inputs.packages import MissingPackageError
+from evaluation.report.page import FIGURES_NAME, PAGE_NAME, PICTURES, page
+from evaluation.report.pictures import pictures
+from evaluation.report.plots import plots
+from evaluation.report.study import NOT_QUICK, SECTIONS, Own, Record, Section, check_packages, study
 from golden import PROFILES, Parameters
 
 

@@ -7,11 +7,11 @@ from typing import Any
 
 from rich.table import Table
 
-from evaluation.detectors import PLAIN
-from evaluation.markdown import figure, percent, spread
-from evaluation.paper_accuracy import MEAN_ERROR, MEAN_ERROR_INTEGER
-from evaluation.study import Section
-from evaluation.study_page import flicker, hot_pixels
+from evaluation.methods.detectors import PLAIN
+from evaluation.report.markdown import figure, percent, spread
+from evaluation.report.page import flicker, hot_pixels
+from evaluation.report.paper_accuracy import MEAN_ERROR, MEAN_ERROR_INTEGER
+from evaluation.report.study import Section
 
 Record = dict[str, Any]
 

@@ -11,9 +11,9 @@ import numpy as np
 from cornerstream import console
 from cornerstream.errors import BadInput, one_line, reason
 from cornerstream.images import load
-from evaluation.boards import Board
-from evaluation.packages import opencv
-from evaluation.sources import (
+from evaluation.inputs.boards import Board
+from evaluation.inputs.packages import opencv
+from evaluation.inputs.sources import (
     FRAMES_APART,
     PAIRS_PER_VIDEO,
     Image,

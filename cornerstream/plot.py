@@ -7,7 +7,7 @@ import io
 from pathlib import Path
 
 from cornerstream.errors import BadInput
-from flow.area import Area
+from flow.cyclone4.area import Area
 
 FORMATS = ("png", "svg", "pdf")
 

@@ -33,7 +33,7 @@ from cornerstream.options import (
     threshold_options,
 )
 from cornerstream.tools import running_tools
-from flow.gates import gate_level_engine
+from flow.cyclone4.gates import gate_level_engine
 from flow.verilog import core_verilog
 from flow.yowasp import require
 from golden import FrameResult, Parameters, Settings, StreamModel, decode

@@ -23,9 +23,9 @@ from cornerstream.options import (
 )
 from cornerstream.plot import check_plot, draw_area
 from cornerstream.tools import running_tools
-from flow.area import Area
-from flow.synthesis import Synthesis, synthesize
-from flow.timing import Timing, place_and_route
+from flow.cyclone4.area import Area
+from flow.cyclone4.synthesis import Synthesis, synthesize
+from flow.ecp5.timing import Timing, place_and_route
 from flow.yowasp import require
 from golden import Parameters
 from hdl.edges import Interface

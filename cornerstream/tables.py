@@ -14,8 +14,8 @@ from cornerstream.files import prepare_folder, read_figures, write_all
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import output_option
 from cornerstream.tools import running_tools
-from evaluation.comparison import FIGURES_NAME, PAGE_NAME, page
-from evaluation.figures import SIZES, FigureError, Record, builds, measure
+from evaluation.comparison.figures import SIZES, FigureError, Record, builds, measure
+from evaluation.comparison.page import FIGURES_NAME, PAGE_NAME, page
 from flow.yowasp import require
 from sim.compiler import find_compiler
 

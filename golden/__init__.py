@@ -2,9 +2,9 @@
 
 from golden.corners import Corners, Flag
 from golden.detector import Detection, FrameResult, StreamModel, check_image, detect, detection
+from golden.float_model import reference_detect
 from golden.output_constructor import FrameEnd, decode, decode_frame_end
 from golden.parameters import PROFILES, Parameters, Settings, profile
-from golden.reference import reference_detect
 
 __all__ = [
     "PROFILES",

@@ -10,9 +10,9 @@ from amaranth.lib.wiring import In, Out
 
 from golden.adaptive_threshold import LEVEL_SHIFT
 from golden.parameters import MEAN_WEIGHT_FRACTION_BITS, WINDOW_SIZE, Parameters
-from hdl.leaving_column import leaving_column
+from hdl.parts.outgoing_column import outgoing_column
+from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.response_filter import filtered_rows
-from hdl.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.texture_filter import texture_layout
 from hdl.thresholds import thresholds_layout
 
@@ -100,7 +100,7 @@ class AdaptiveThreshold(wiring.Component):
         beat = pipe.delay(pipe.valid, 2, "beat", reset=True)
 
         step = beat & pipe.advance
-        leaving = leaving_column(m, pipe, column, WINDOW_SIZE, beat=beat, step=step, name="leaving")
+        leaving = outgoing_column(m, pipe, column, WINDOW_SIZE, beat=beat, step=step, name="leaving")
         total = Signal(self._total_bits)
         with m.If(step):
             m.d.sync += total.eq(total + (column - leaving))

@@ -12,8 +12,8 @@ from golden.output_constructor import COUNT_BITS
 from golden.parameters import BUDGET_BITS, COORDINATE_BITS, MARGIN, OFFSET_BITS, Parameters
 from hdl.corner_detection import corner_layout
 from hdl.derivatives import derivatives_layout
-from hdl.queue import Queue
-from hdl.stream import Beat
+from hdl.parts.queue import Queue
+from hdl.parts.stream import Beat
 from hdl.texture_filter import texture_layout
 
 PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS

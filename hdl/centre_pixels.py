@@ -9,7 +9,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import Parameters
-from hdl.delay_line import DelayLine
+from hdl.parts.delay_line import DelayLine
 
 COLUMNS_BACK = 3
 """Columns from a response's centre to the newest column of pixels that it is made of."""

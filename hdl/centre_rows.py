@@ -9,8 +9,8 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import WINDOW_SIZE, Parameters
-from hdl.delay_line import DelayLine
-from hdl.stream import Columns, Pipeline, WindowCounter
+from hdl.parts.delay_line import DelayLine
+from hdl.parts.stream import Columns, Pipeline, WindowCounter
 
 _LATE = WINDOW_SIZE // 2 - 1
 

@@ -12,9 +12,9 @@ from amaranth.lib.wiring import In, Out
 
 from golden.convolution import SHIFT
 from golden.parameters import SMOOTHING_SIZE, Parameters
+from hdl.parts.square_table import SquareTable
+from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.preprocessing import sizes_layout
-from hdl.square_table import SquareTable
-from hdl.stream import Beat, Columns, Pipeline, WindowCounter
 
 LATE_ROWS = (1, 2, 3)
 """Rows looked up a clock after the outer two: their sums meet in one adder each, not all in one clock."""

@@ -9,7 +9,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import Parameters
-from hdl.stream import Beat, Columns, Pipeline, WindowCounter
+from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 
 
 def corner_layout(parameters: Parameters) -> data.StructLayout:

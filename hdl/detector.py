@@ -15,16 +15,16 @@ from golden.parameters import WINDOW_SIZE, Parameters
 from hdl.adaptation import Adaptation, adapted_layout
 from hdl.candidate_selection import CandidateSelection, mark_layout
 from hdl.centre_pixels import CentrePixels
-from hdl.circular_buffer import CircularBuffer
 from hdl.convolution import Convolution
 from hdl.frame_control import FrameControl
 from hdl.output_constructor import OutputConstructor, record_layout
+from hdl.parts.circular_buffer import CircularBuffer
+from hdl.parts.stream import Beat, SkidBuffer
 from hdl.preprocessing import PIXEL_ROWS, Preprocessing
 from hdl.response import Response
-from hdl.stream import Beat, SkidBuffer
 from hdl.subpixel import Subpixel
 from hdl.thresholds import Thresholds, settings_layout
-from hdl.window_chain import WindowChain, waiting_layout
+from hdl.window_stage import WindowStage, waiting_layout
 
 
 def budget_members(parameters: Parameters) -> dict[str, Any]:
@@ -51,7 +51,7 @@ class Detector(wiring.Component):
 
     With ``fit="gradient"`` the pixel at each response's centre goes along with it through the second buffer, and the
     gradient step's normal equations take the place of the surface fit; other options exchange blocks of the windows,
-    too: see :class:`hdl.window_chain.WindowChain`.
+    too: see :class:`hdl.window_stage.WindowStage`.
 
     The paper also buffers A, B and C, and the responses three times, and refines every pixel. Here gradients and
     products are made anew for each row of the smoothing window; one response buffer serves all that need windows;
@@ -104,7 +104,7 @@ class Detector(wiring.Component):
         self._response_skid = SkidBuffer(Beat(waiting))
         self._thresholds = Thresholds(p)
         self._response_buffer = buffer(waiting, WINDOW_SIZE, 1)
-        self._windows = WindowChain(p)
+        self._windows = WindowStage(p)
         self._adaptation = Adaptation(p) if p.budget else None
         if self._by_gradients:
             responses = (self._preprocessing, self._convolution, self._response)
@@ -170,7 +170,7 @@ class Detector(wiring.Component):
         for name, block in self.blocks.items():
             m.submodules[name.replace(" ", "_")] = block
         self._response_chain(m)
-        self._window_chain(m)
+        self._window_stage(m)
         self._record_chain(m)
         return m
 
@@ -219,7 +219,7 @@ class Detector(wiring.Component):
                 sink.payload.eof.eq(source.payload.eof),
             ]
 
-    def _window_chain(self, m: Module) -> None:
+    def _window_stage(self, m: Module) -> None:
         """From responses to candidates."""
         for name, block in self._windows.other_blocks.items():
             m.submodules[name.replace(" ", "_")] = block

@@ -9,7 +9,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import SUPPORT, Parameters
-from hdl.stream import Beat
+from hdl.parts.stream import Beat
 from hdl.thresholds import settings_layout
 
 

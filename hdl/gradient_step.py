@@ -15,8 +15,8 @@ from golden.normal_equations import PIXEL_SIZE
 from golden.parameters import Parameters
 from hdl.derivatives import derivatives_layout
 from hdl.normal_equations import NormalEquations
+from hdl.parts.stream import Columns
 from hdl.preprocessing import Preprocessing
-from hdl.stream import Columns
 
 
 class GradientStep(wiring.Component):

@@ -14,10 +14,10 @@ from amaranth.lib.wiring import In, Out
 from golden.normal_equations import STEP_SIZE
 from golden.parameters import Parameters
 from hdl.derivatives import derivatives_layout
-from hdl.leaving_column import leaving_column
+from hdl.parts.outgoing_column import outgoing_column
+from hdl.parts.square_table import SquareTable
+from hdl.parts.stream import Columns, Pipeline, WindowCounter
 from hdl.preprocessing import sizes_layout
-from hdl.square_table import SquareTable
-from hdl.stream import Columns, Pipeline, WindowCounter
 
 REACH = STEP_SIZE // 2
 COLUMN_LATENCY = SquareTable.latency + 4
@@ -181,7 +181,7 @@ class NormalEquations(wiring.Component):
     ) -> dict[str, Value]:
         """What ``values`` were seven beats before, or 0 before the first of them since reset."""
         together = Cat(*values.values())
-        old = leaving_column(m, pipe, together, STEP_SIZE, beat=beat, step=pipe.advance & beat, name="old")
+        old = outgoing_column(m, pipe, together, STEP_SIZE, beat=beat, step=pipe.advance & beat, name="old")
         parts, at = {}, 0
         for name, value in values.items():
             part = old[at : at + len(value)]

@@ -9,8 +9,8 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import SMOOTHING_SIZE, Parameters
-from hdl.arithmetic import add_with_carry, magnitude
-from hdl.stream import Columns, Pipeline, WindowCounter
+from hdl.parts.arithmetic import add_with_carry, magnitude
+from hdl.parts.stream import Columns, Pipeline, WindowCounter
 
 PIXEL_ROWS = SMOOTHING_SIZE + 2
 """Rows of pixels that give SMOOTHING_SIZE rows of gradients."""

@@ -11,12 +11,12 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import Parameters
-from hdl.arithmetic import magnitude
 from hdl.convolution import products_layout
-from hdl.delay_line import DelayLine
+from hdl.parts.arithmetic import magnitude
+from hdl.parts.delay_line import DelayLine
+from hdl.parts.square_table import SquareTable
+from hdl.parts.stream import Beat, Pipeline
 from hdl.square_root import SquareRoot
-from hdl.square_table import SquareTable
-from hdl.stream import Beat, Pipeline
 
 RADICAND_LATENCY = 7
 """A - B, sizes, difference of their halves, two clocks of look-up, sum over both numbers, radicand."""

@@ -9,7 +9,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import WINDOW_SIZE, Parameters
-from hdl.stream import Columns, Pipeline, WindowCounter
+from hdl.parts.stream import Columns, Pipeline, WindowCounter
 
 
 def filtered_rows(parameters: Parameters) -> int:

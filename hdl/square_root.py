@@ -10,7 +10,7 @@ from amaranth.hdl import C, Cat, Module, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from hdl.delay_line import DelayLine
+from hdl.parts.delay_line import DelayLine
 
 RINGS = (4, 5)
 """Clocks of the two delay lines in which the radicand waits: the shortest that are memory."""

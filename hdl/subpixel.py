@@ -14,9 +14,9 @@ from golden.derivatives import Derivatives
 from golden.divider import quotient_bits
 from golden.parameters import Fit, Parameters
 from golden.subpixel import derivative_bits, mantissa_bits, offset_limit
-from hdl.arithmetic import add_with_carry, magnitude
 from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.divider import Divider
+from hdl.parts.arithmetic import add_with_carry, magnitude
 
 
 def offset_layout(fit: Fit = "nine") -> data.StructLayout:

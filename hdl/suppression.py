@@ -8,8 +8,8 @@ from amaranth.hdl import Cat, Module, Value
 
 from golden.parameters import WINDOW_SIZE, Parameters
 from hdl.corner_detection import Maxima, larger
+from hdl.parts.stream import Pipeline, WindowCounter
 from hdl.response_filter import filtered_rows
-from hdl.stream import Pipeline, WindowCounter
 
 
 class Suppression(Maxima):

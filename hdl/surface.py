@@ -11,7 +11,7 @@ from amaranth.lib.wiring import In, Out
 from golden.derivatives import Derivatives
 from golden.parameters import Parameters
 from hdl.derivatives import derivatives_layout
-from hdl.stream import Columns, Pipeline, WindowCounter
+from hdl.parts.stream import Columns, Pipeline, WindowCounter
 
 
 class SurfaceFit(wiring.Component):

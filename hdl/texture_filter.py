@@ -10,7 +10,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import WINDOW_SIZE, Parameters
-from hdl.stream import Beat, Columns, Pipeline, WindowCounter
+from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.thresholds import thresholds_layout
 
 

@@ -18,7 +18,7 @@ from golden.parameters import (
     Parameters,
 )
 from hdl.adaptation import adapted_layout, aim_layout
-from hdl.stream import Beat
+from hdl.parts.stream import Beat
 
 SIGMA2_BITS = SIGMA_BITS + SIGMA2_INTEGER_BITS
 

@@ -12,7 +12,7 @@ from sim.engine import (
     make_engine,
 )
 from sim.frames import (
-    FrameResult,
+    FrameRun,
     Mismatch,
     SimulationResult,
     compare,
@@ -30,7 +30,7 @@ __all__ = [
     "CompilerNotFoundError",
     "Engine",
     "EngineName",
-    "FrameResult",
+    "FrameRun",
     "Mismatch",
     "Progress",
     "SimulationError",

@@ -24,7 +24,7 @@ _DRAIN_CLOCKS = 400
 
 
 @dataclass(frozen=True)
-class FrameResult:
+class FrameRun:
     """One frame of a simulation.
 
     Parameters
@@ -62,7 +62,7 @@ class SimulationResult:
         Of the whole run.
     """
 
-    frames: list[FrameResult]
+    frames: list[FrameRun]
     leftover: Words
     clocks: int
     seconds: float
@@ -138,7 +138,7 @@ def split_frames(capture: Capture, sizes: Sequence[int]) -> SimulationResult:
         first_pixel, last_pixel = int(accepted[first[k]]), int(accepted[first[k + 1] - 1])
         until = int(accepted[first[k + 1]]) if k + 1 < len(sizes) else last_pixel + 1
         frames.append(
-            FrameResult(
+            FrameRun(
                 records=words[starts[k] : end + 1].copy(),
                 clocks=until - first_pixel,
                 first_pixel=first_pixel,

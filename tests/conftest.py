@@ -15,7 +15,7 @@ from hypothesis import settings
 from numpy.typing import NDArray
 
 from sim.cache import CACHE_VARIABLE
-from tests.photographs import PHOTOGRAPHS, photograph
+from tests.support.photographs import PHOTOGRAPHS, photograph
 
 settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None, max_examples=1000)

@@ -14,17 +14,17 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from cornerstream.cli import main
-from evaluation.comparison import FIGURES_NAME
+from evaluation.comparison.page import FIGURES_NAME
 from golden import Settings, detect, profile
 from golden.detector import corner_map, peak_responses, response_map
 from golden.subpixel import derivatives, fit_nine
-from hdl.circular_buffer import CircularBuffer
 from hdl.detector import Detector
 from hdl.identifiers import plain_port
+from hdl.parts.circular_buffer import CircularBuffer
 from hdl.subpixel import Subpixel
 from hdl.thresholds import settings_layout
-from tests.photographs import PHOTOGRAPHS, photograph
-from tests.runner import CliRunner
+from tests.support.photographs import PHOTOGRAPHS, photograph
+from tests.support.runner import CliRunner
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

@@ -5,7 +5,7 @@ Quartus does so with the M9K. In the slowest grade a block takes 5.8 ns to its o
 
 from __future__ import annotations
 
-from flow.netlist import Bit, Cell, Module
+from flow.cyclone4.netlist import Bit, Cell, Module
 
 BLOCK_RAM, FLIP_FLOP = "DP16KD", "TRELLIS_FF"
 PORTS = ("A", "B")

@@ -11,7 +11,7 @@ from amaranth.lib.wiring import In, Out
 from golden.parameters import MARGIN, Parameters
 from hdl.candidate_selection import mark_layout
 from hdl.edges.frame_guard import video_layout
-from hdl.queue import Queue
+from hdl.parts.queue import Queue
 
 _ROWS = {"lean": 7, "banked": 9}
 """Rows that come after a pixel before its mark does: ``"banked"`` buffers read two rows late."""

@@ -19,7 +19,7 @@ from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard, events_layout, video
 from hdl.edges.overlay import Overlay, overlay_layout
 from hdl.edges.packet_constructor import PACKET_EVENTS, PacketConstructor, results_layout
 from hdl.output_constructor import record_layout
-from hdl.stream import SkidBuffer
+from hdl.parts.stream import SkidBuffer
 from hdl.thresholds import settings_layout
 
 VIDEO_EVENTS = (*PACKET_EVENTS, *GUARD_EVENTS)

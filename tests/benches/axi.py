@@ -26,8 +26,8 @@ from hdl.edges.register_map import register_map
 from hdl.edges.video_detector import VideoDetector
 from tests.benches.axi_video import VideoExpectation
 from tests.benches.common import Dut, Registers, Sink, VideoSource, reset, start, watch_lite, watch_stream
-from tests.filters import lenient
-from tests.malformed import Beats, Random, texture
+from tests.support.filters import lenient
+from tests.support.malformed import Beats, Random, texture
 
 PARAMETERS = "PARAMETERS"
 ROUNDS = int(os.environ.get("ROUNDS", "1"))

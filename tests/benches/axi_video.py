@@ -15,9 +15,9 @@ from golden import Parameters
 from golden.output_constructor import decode_frame_end
 from golden.thresholds import choose_reference, thresholds
 from golden.video import Packet, VideoModel, VideoSettings
-from tests.accepted import accepted
 from tests.benches.common import Sink
-from tests.malformed import Beats
+from tests.support.accepted import accepted
+from tests.support.malformed import Beats
 
 _SOF, _CORNER = 1, 2
 

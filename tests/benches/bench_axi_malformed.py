@@ -15,11 +15,11 @@ from cocotb.triggers import ClockCycles, RisingEdge, Timer
 
 from golden import Settings
 from golden.video import NO_LIMIT, Event, VideoSettings, marked
-from tests import malformed
 from tests.benches.axi import ROUNDS, Bench, draw
 from tests.benches.common import Dut
-from tests.filters import selective
-from tests.malformed import Beats, Fault, Random
+from tests.support import malformed
+from tests.support.filters import selective
+from tests.support.malformed import Beats, Fault, Random
 
 PAUSES = [0.0, 0.35]
 NONE, DONE, CUT = Event(0), Event.FRAME_DONE, Event.FRAME_CUT

@@ -17,9 +17,9 @@ from golden.preprocessing import Image
 from golden.video import Packet, VideoSettings
 from tests.benches.axi import Bench, draw
 from tests.benches.common import Dut
-from tests.filters import selective
-from tests.malformed import Random
-from tests.photographs import photograph
+from tests.support.filters import selective
+from tests.support.malformed import Random
+from tests.support.photographs import photograph
 
 SIZES = ["least", "maximum", "odd", "tall", "wide", "photograph"]
 FRAMES = 3

@@ -14,7 +14,7 @@ from golden.video import Event, VideoSettings, marked
 from tests.benches.axi import ROUNDS, Bench, draw, usual
 from tests.benches.bench_axi_registers import CONTROL, IRQ_ENABLE, READ_ONLY, SIZE, STATUS, TIMEOUT
 from tests.benches.common import Dut
-from tests.filters import lenient
+from tests.support.filters import lenient
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")

@@ -19,8 +19,8 @@ from golden.video import NO_LIMIT, Event, VideoSettings
 from tests.benches.axi import Bench, draw
 from tests.benches.bench_axi_registers import READ_ONLY
 from tests.benches.common import Dut
-from tests.filters import lenient, selective
-from tests.malformed import FAULTS, Random, Video, whole
+from tests.support.filters import lenient, selective
+from tests.support.malformed import FAULTS, Random, Video, whole
 
 FRAMES = int(os.environ.get("FRAMES", "128"))
 PARTS = 8

@@ -11,11 +11,11 @@ from cocotb.triggers import ClockCycles
 
 from golden import Settings, decode
 from golden.video import Event, VideoSettings
-from tests import malformed
 from tests.benches.axi import ROUNDS, Bench, draw
 from tests.benches.common import Dut
-from tests.filters import strict
-from tests.malformed import Random, marked
+from tests.support import malformed
+from tests.support.filters import strict
+from tests.support.malformed import Random, marked
 
 
 async def configure(bench: Bench, random_: Random, width: int, height: int, **changes: int) -> None:

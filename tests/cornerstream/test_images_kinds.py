@@ -16,9 +16,9 @@ from PIL import features
 from cornerstream.errors import BadInput
 from cornerstream.images import Photograph, load
 from golden import Parameters
-from tests.image_case import NORMALIZED, REFUSED, USED, Case
-from tests.image_cases import CASES, table
-from tests.image_files import chunk, exif
+from tests.support.image_case import NORMALIZED, REFUSED, USED, Case
+from tests.support.image_cases import CASES, table
+from tests.support.image_files import chunk, exif
 
 PAGE = Path(__file__).parents[2] / "docs" / "inputs.md"
 SIZE = {"max_width": 20, "max_height": 18}

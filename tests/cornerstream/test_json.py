@@ -16,8 +16,8 @@ import cornerstream.simulation
 from cornerstream.cli import main
 from golden import PROFILES, Parameters, Settings, StreamModel, detection, profile
 from sim import Mismatch
-from tests.photographs import photograph
-from tests.runner import CliRunner
+from tests.support.photographs import photograph
+from tests.support.runner import CliRunner
 
 PAGE = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
 WIDTH, HEIGHT = 40, 30

@@ -10,7 +10,7 @@ from PIL import Image
 
 from cornerstream.errors import BadInput
 from cornerstream.own_data import load_images, load_pairs
-from evaluation.detectors import USUAL, Ours
+from evaluation.methods.detectors import USUAL, Ours
 from golden import PROFILES, Parameters, Settings, detect
 
 TALL = np.kron(np.indices((60, 8)).sum(0) % 2, np.full((20, 12), 200)).astype(np.uint8)

@@ -19,7 +19,7 @@ from flow import package as package_module
 from flow.command import command
 from flow.package import MANIFEST
 from golden import profile
-from tests.runner import CliRunner
+from tests.support.runner import CliRunner
 
 SIZE = ("--width", "40", "--height", "32")
 

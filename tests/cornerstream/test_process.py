@@ -12,7 +12,7 @@ import pytest
 import cornerstream.detection
 import cornerstream.verilog
 from cornerstream.cli import main
-from tests.runner import CliRunner
+from tests.support.runner import CliRunner
 
 ROOT = Path(__file__).parents[2]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}

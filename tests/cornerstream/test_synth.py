@@ -14,13 +14,13 @@ from PIL import Image
 
 import cornerstream.synth
 from cornerstream.cli import main
-from flow.area import Area, Block
-from flow.synthesis import Synthesis
-from flow.timing import Step, given_name, read_report
+from flow.cyclone4.area import Area, Block
+from flow.cyclone4.synthesis import Synthesis
+from flow.ecp5.timing import Step, given_name, read_report
 from flow.yowasp import ToolError
 from golden import Parameters
 from hdl.edges import Interface
-from tests.runner import CliRunner
+from tests.support.runner import CliRunner
 
 # four bits make the smallest detector there is
 SMALL = ("--width", "32", "--height", "24", "--pixel-bits", "4", "--buffering", "lean")

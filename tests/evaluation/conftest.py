@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from evaluation import bootstrap
+from evaluation.methods import bootstrap
 
 
 @pytest.fixture(autouse=True)

@@ -16,8 +16,9 @@ from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 from numpy.typing import NDArray
 
-from flow import rules, synthesis
-from flow.area import Area
+from flow import rules
+from flow.cyclone4 import synthesis
+from flow.cyclone4.area import Area
 from sim import Stimulus, make_engine
 
 COMMANDS = data.StructLayout(

@@ -19,7 +19,7 @@ from golden.output_constructor import FrameEnd, decode_frame_end, encode_frame_e
 from golden.video import Packet, VideoModel, VideoSettings, marked
 from hdl.edges.register_map import register_map
 from sim.compiler import find_compiler
-from tests.photographs import photograph
+from tests.support.photographs import photograph
 
 WIDTH, HEIGHT = 64, 48
 PARAMETERS = profile("robust", max_width=WIDTH, max_height=HEIGHT)

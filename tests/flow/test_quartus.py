@@ -21,6 +21,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.vendor import AlteraPlatform
 from numpy.typing import NDArray
 
+from flow.cyclone4.synthesis import synthesize
 from flow.quartus import (
     DEVICE,
     FAMILY,
@@ -32,17 +33,16 @@ from flow.quartus import (
 )
 from flow.quartus.project import MANIFEST
 from flow.rules import rule_text
-from flow.synthesis import synthesize
 from flow.verilog import END_OF_WAIVERS, convert
 from flow.yowasp import run_yosys
 from golden import Parameters, Settings, StreamModel, profile
-from hdl.circular_buffer import CircularBuffer
 from hdl.detector import Detector
 from hdl.identifiers import plain_port
+from hdl.parts.circular_buffer import CircularBuffer
 from sim import Stalls, Stimulus, compare, make_engine, simulate_frames, summarize
 from sim.ports import signals
 from sim.verilog_engine import verilator_root
-from tests.photographs import photograph
+from tests.support.photographs import photograph
 
 SMALL = {"max_width": 40, "max_height": 32}
 VARIANTS = [("paper", "banked"), ("paper", "lean"), ("robust", "lean")]

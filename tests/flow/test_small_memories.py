@@ -9,7 +9,7 @@ import pytest
 
 from flow.verilog import convert
 from flow.yowasp import run_yosys
-from hdl.delay_line import DelayLine
+from hdl.parts.delay_line import DelayLine
 
 BLOCKS = {
     "synth_gowin": {"SDPB", "SDPX9B", "DPB", "DPX9B", "SP", "SPX9"},

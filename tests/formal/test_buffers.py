@@ -11,8 +11,8 @@ from amaranth.hdl import Assert, Assume, Elaboratable, Module, Mux, Signal
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-import hdl.queue
-import hdl.stream
+import hdl.parts.queue
+import hdl.parts.stream
 from tests.formal.claims import Case, Claim, Fault, cases
 from tests.formal.design import Insides
 from tests.formal.properties import (
@@ -55,7 +55,7 @@ class SkidChecker(Elaboratable):
 
 SKID = Claim(
     says="SkidBuffer: stream rules",
-    design=hdl.stream,
+    design=hdl.parts.stream,
     check=SkidChecker,
     depth=2,
     covered=8,
@@ -77,7 +77,7 @@ SKID = Claim(
 )
 CLOSED = Claim(
     says="SkidBuffer, closed in reset: stream rules, and nothing is taken in reset",
-    design=hdl.stream,
+    design=hdl.parts.stream,
     check=lambda design: SkidChecker(design, closed_in_reset=True),
     depth=2,
     covered=8,
@@ -125,7 +125,7 @@ def _queue(depth: int) -> Callable[[Any], Elaboratable]:
 QUEUES = [
     Claim(
         says=f"Queue of {depth}: nothing is lost where room is heeded",
-        design=hdl.queue,
+        design=hdl.parts.queue,
         check=_queue(depth),
         depth=4,
         covered=depth + 6,
@@ -203,7 +203,7 @@ class PipelineChecker(Elaboratable):
 
 PIPELINE = Claim(
     says="Pipeline of two registers with a permission: stream rules",
-    design=hdl.stream,
+    design=hdl.parts.stream,
     check=PipelineChecker,
     depth=1,
     covered=6,

@@ -13,7 +13,7 @@ from amaranth.lib import data
 import hdl.candidate_selection
 from golden.parameters import MARGIN, Parameters
 from hdl.candidate_selection import INSIDE
-from hdl.queue import ROOM
+from hdl.parts.queue import ROOM
 from tests.formal.claims import Case, Claim, Fault, cases
 from tests.formal.design import Insides, variant
 from tests.formal.properties import (

@@ -11,7 +11,7 @@ import hdl.edges.avalon
 import hdl.edges.axi
 import hdl.edges.core
 import hdl.edges.video_detector
-import hdl.stream
+import hdl.parts.stream
 from golden.parameters import Parameters
 from tests.formal.design import variant
 from tests.formal.paths import combinational_paths
@@ -30,11 +30,11 @@ def test_no_input_of_a_core_reaches_an_output_within_a_clock(core: Any) -> None:
 
 
 def test_no_input_of_a_skid_buffer_reaches_an_output_within_a_clock() -> None:
-    assert combinational_paths(hdl.stream.SkidBuffer(4)) == {}
+    assert combinational_paths(hdl.parts.stream.SkidBuffer(4)) == {}
 
 
 def test_a_path_from_ready_to_ready_is_found() -> None:
-    wrong = variant(hdl.stream, {"self.i.ready.eq(ready)": "self.i.ready.eq(ready & self.o.ready)"})
+    wrong = variant(hdl.parts.stream, {"self.i.ready.eq(ready)": "self.i.ready.eq(ready & self.o.ready)"})
     assert combinational_paths(wrong.SkidBuffer(4)) == {"i__ready": {"o__ready"}}
 
 

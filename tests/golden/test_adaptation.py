@@ -21,7 +21,7 @@ from golden.adaptation import (
     octaves,
 )
 from golden.video import Event, VideoModel, VideoSettings, marked
-from tests.photographs import photograph
+from tests.support.photographs import photograph
 
 PAPER = Parameters(budget=True)
 ROBUST = profile("robust", budget=True)

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from golden.corner_detection import corner_detection
 from golden.detector import response_map
+from golden.float_model import gradient_step
 from golden.normal_equations import LARGEST, PIXEL_SIZE, largest, normal_equations
 from golden.parameters import Parameters, Settings, profile
-from golden.reference import gradient_step
 from golden.subpixel import Offset, derivative_bits, offset_limit, subpixel
 from golden.thresholds import thresholds
-from tests.golden.offsets import exact_offsets, offset_bounds
-from tests.photographs import PHOTOGRAPHS, photograph
+from tests.support.offsets import exact_offsets, offset_bounds
+from tests.support.photographs import PHOTOGRAPHS, photograph
 
 STEP = profile("robust", fit="gradient")
 Y, X = np.mgrid[-4:5, -4:5]

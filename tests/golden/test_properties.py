@@ -20,8 +20,8 @@ from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.output_constructor import Flag
 from golden.preprocessing import gradients, products
 from golden.subpixel import offset_limit
-from tests.golden.offsets import bounds, offset_bounds
-from tests.strategies import detectors, images
+from tests.support.offsets import bounds, offset_bounds
+from tests.support.strategies import detectors, images
 
 Image = NDArray[np.unsignedinteger[Any]]
 EVERYTHING = Settings(sigma1=0.0, sigma2=0.2, floor=1, report_rejected=True)

@@ -18,7 +18,7 @@ from golden import (
     profile,
 )
 from golden.detector import response_map
-from tests.photographs import photograph
+from tests.support.photographs import photograph
 
 EVERYTHING = Settings(report_rejected=True)
 

@@ -31,8 +31,8 @@ from golden.subpixel import (
     subpixel,
 )
 from golden.thresholds import thresholds
-from tests.golden.offsets import bounds, exact_peaks
-from tests.photographs import PHOTOGRAPHS, photograph
+from tests.support.offsets import bounds, exact_peaks
+from tests.support.photographs import PHOTOGRAPHS, photograph
 
 Y, X = np.mgrid[-1:2, -1:2]
 SIX = [0, 3, 5, 7, 2, 6]

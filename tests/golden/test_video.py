@@ -11,7 +11,7 @@ from golden import Parameters, Settings, StreamModel, decode_frame_end, detect
 from golden.output_constructor import FrameEnd, encode_frame_end
 from golden.preprocessing import Image
 from golden.video import Event, Packet, VideoModel, VideoSettings, marked
-from tests.malformed import FAULTS, Beats, Fault, texture, whole
+from tests.support.malformed import FAULTS, Beats, Fault, texture, whole
 
 WIDTH, HEIGHT = 36, 28
 LATE = 24 * WIDTH + 20

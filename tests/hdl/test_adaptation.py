@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from golden.adaptation import COUNT_MAX, adapted_threshold, bin_edges, bins, histogram, smoothed
 from golden.parameters import Parameters
 from hdl.adaptation import Adaptation
-from tests.hdl.blocks import Array
+from tests.support.blocks import Array
 
 PARAMETERS = [
     Parameters(budget=True),

@@ -23,7 +23,7 @@ from hdl.texture_filter import TextureFilter
 from hdl.thresholds import thresholds_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls, Stimulus
-from tests.hdl.blocks import (
+from tests.support.blocks import (
     ENGINES,
     NO_STALLS,
     RUN_IDS,

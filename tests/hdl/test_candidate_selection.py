@@ -17,7 +17,19 @@ from hdl.candidate_selection import INSIDE, CandidateSelection, note_layout
 from hdl.derivatives import derivatives_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls, Stimulus
-from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Array, Size, Words, engine, pack, same, tags, unpack
+from tests.support.blocks import (
+    NO_STALLS,
+    RUN_IDS,
+    RUNS,
+    Array,
+    Size,
+    Words,
+    engine,
+    pack,
+    same,
+    tags,
+    unpack,
+)
 
 PARAMETERS = Parameters()
 FULL = PARAMETERS.response_max

@@ -17,11 +17,11 @@ from golden.parameters import Parameters
 from golden.preprocessing import gradients, products
 from hdl.centre_pixels import COLUMNS_BACK, CentrePixels
 from hdl.convolution import Convolution, products_layout
+from hdl.parts.stream import Beat, Columns
 from hdl.preprocessing import PIXEL_ROWS, Preprocessing
-from hdl.stream import Beat, Columns
 from sim.engine import EngineName
 from sim.stimulus import Stalls
-from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, columns, engine, noise, pack, raster, run
+from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, columns, engine, noise, pack, raster, run
 
 SIZES = [(15, 15), (9, 40), (7, 8), (20, 23)]
 BEAT = Beat(data.StructLayout({"a": products_layout(Parameters())["a"].shape, "pixel": 8}))

@@ -10,7 +10,7 @@ from golden.parameters import Parameters
 from hdl.centre_rows import CentreRows
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.hdl.blocks import (
+from tests.support.blocks import (
     ENGINES,
     NO_STALLS,
     RUN_IDS,

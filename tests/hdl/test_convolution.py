@@ -12,10 +12,10 @@ from golden.convolution import KERNEL, smooth
 from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Gradient, Parameters
 from golden.preprocessing import products
 from hdl.convolution import Convolution, products_layout
-from hdl.stream import Beat
+from hdl.parts.stream import Beat
 from sim.engine import EngineName
 from sim.stimulus import Stalls
-from tests.hdl.blocks import (
+from tests.support.blocks import (
     ENGINES,
     NO_STALLS,
     RUN_IDS,

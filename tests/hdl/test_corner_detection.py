@@ -11,7 +11,7 @@ from golden.parameters import Parameters, Ties
 from hdl.corner_detection import CornerDetection
 from sim.engine import EngineName, SimulationHang
 from sim.stimulus import Capture, Stalls, Stimulus
-from tests.hdl.blocks import (
+from tests.support.blocks import (
     ENGINES,
     NO_STALLS,
     RUN_IDS,

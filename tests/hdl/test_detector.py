@@ -28,9 +28,9 @@ from sim.frames import (
     summarize,
 )
 from sim.stimulus import Stalls, Stimulus
-from tests.filters import lenient, selective
-from tests.photographs import PHOTOGRAPHS, photograph
-from tests.strategies import images, sigma2s, sigmas
+from tests.support.filters import lenient, selective
+from tests.support.photographs import PHOTOGRAPHS, photograph
+from tests.support.strategies import images, sigma2s, sigmas
 
 PAPER = profile("paper")
 ROBUST = profile("robust")

@@ -11,8 +11,8 @@ import pytest
 from golden import Parameters, Settings, StreamModel, profile
 from sim.frames import Frame, frame_stimulus
 from sim.stimulus import Stalls, Stimulus
-from tests.filters import lenient, selective
 from tests.hdl.test_detector import MIXTURES, SMALL, engine, noise, run
+from tests.support.filters import lenient, selective
 
 BUDGETS = {name: parameters for name, parameters in MIXTURES.items() if parameters.budget}
 # the longest way from the last response to the last window

@@ -16,7 +16,7 @@ from golden.divider import HALF, QUOTIENT_BITS, divide
 from hdl.divider import Divider
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.hdl.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run, unpack
+from tests.support.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run, unpack
 
 USED = 17
 """Width in the subpixel refinement."""

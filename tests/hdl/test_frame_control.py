@@ -13,10 +13,21 @@ from hypothesis import strategies as st
 
 from golden.parameters import SUPPORT, Parameters
 from hdl.frame_control import FrameControl
-from hdl.stream import Beat
+from hdl.parts.stream import Beat
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Size, assert_timing, engine, noise, pack, raster, run
+from tests.support.blocks import (
+    NO_STALLS,
+    RUN_IDS,
+    RUNS,
+    Size,
+    assert_timing,
+    engine,
+    noise,
+    pack,
+    raster,
+    run,
+)
 
 # settings of 4-bit pixels fit the one word in which plain inputs are set
 ODD = Parameters(pixel_bits=4, max_width=37, max_height=21)

@@ -16,10 +16,10 @@ from golden.subpixel import derivative_bits
 from hdl.derivatives import derivatives_layout
 from hdl.gradient_step import GradientStep
 from hdl.normal_equations import NormalEquations
-from hdl.stream import Columns
+from hdl.parts.stream import Columns
 from sim.engine import EngineName
 from sim.stimulus import Stalls, Stimulus
-from tests.hdl.blocks import (
+from tests.support.blocks import (
     NO_STALLS,
     RUN_IDS,
     RUNS,
@@ -35,7 +35,7 @@ from tests.hdl.blocks import (
     run,
     same,
 )
-from tests.photographs import photograph
+from tests.support.photographs import photograph
 
 STEP = Parameters(fit="gradient")
 SIZES = [(9, 9), (16, 17), (9, 30), (24, 10), (10, 9)]

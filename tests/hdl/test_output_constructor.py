@@ -14,7 +14,7 @@ from hdl.output_constructor import OutputConstructor, record_layout
 from hdl.subpixel import offset_layout
 from sim.engine import EngineName, SimulationHang
 from sim.stimulus import Capture, Stalls, Stimulus
-from tests.hdl.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run, unpack
+from tests.support.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run, unpack
 
 ABOVE = 7
 """Least whole coordinate of a corner, so that no offset makes it negative."""

@@ -14,7 +14,7 @@ from golden.preprocessing import gradients, products
 from hdl.preprocessing import Preprocessing
 from sim.engine import EngineName
 from sim.stimulus import Stalls
-from tests.hdl.blocks import (
+from tests.support.blocks import (
     ENGINES,
     NO_STALLS,
     RUN_IDS,

@@ -14,7 +14,7 @@ from hdl.centre_rows import CentreRows
 from hdl.response_filter import ResponseFilter
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.hdl.blocks import (
+from tests.support.blocks import (
     ENGINES,
     NO_STALLS,
     RUN_IDS,

@@ -15,11 +15,11 @@ from amaranth.lib.wiring import In, Out
 from numpy.typing import NDArray
 
 from golden.square_root import li_chu
+from hdl.parts.stream import Pipeline
 from hdl.square_root import SquareRoot
-from hdl.stream import Pipeline
 from sim.engine import EngineName
 from sim.stimulus import Stalls
-from tests.hdl.blocks import NO_STALLS, RUN_IDS, RUNS, Words, assert_timing, engine, pack, run
+from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, Words, assert_timing, engine, pack, run
 
 SHAPES = [(1, 1), (5, 2), (8, 3), (9, 5), (21, 4), *((17, k) for k in range(1, 6))]
 WIDEST = 21

@@ -17,7 +17,7 @@ from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.subpixel import Subpixel, offset_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.hdl.blocks import (
+from tests.support.blocks import (
     ENGINES,
     NO_STALLS,
     RUN_IDS,

@@ -11,7 +11,7 @@ from golden.parameters import WINDOW_SIZE, Parameters, Ties
 from hdl.suppression import Suppression
 from sim.engine import EngineName, SimulationHang
 from sim.stimulus import Capture, Stalls, Stimulus
-from tests.hdl.blocks import (
+from tests.support.blocks import (
     NO_STALLS,
     RUN_IDS,
     RUNS,

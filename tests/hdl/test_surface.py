@@ -16,7 +16,7 @@ from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.surface import SurfaceFit
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.hdl.blocks import (
+from tests.support.blocks import (
     ENGINES,
     NO_STALLS,
     RUN_IDS,

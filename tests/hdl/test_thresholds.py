@@ -19,7 +19,7 @@ from golden.parameters import Parameters, Settings
 from hdl.thresholds import Thresholds, settings_layout, thresholds_layout
 from sim.engine import EngineName, SimulationHang
 from sim.stimulus import Capture, Stalls, Stimulus
-from tests.hdl.blocks import (
+from tests.support.blocks import (
     ENGINES,
     NO_STALLS,
     RUN_IDS,
@@ -35,7 +35,7 @@ from tests.hdl.blocks import (
     raster,
     run,
 )
-from tests.strategies import sigmas
+from tests.support.strategies import sigmas
 
 PARAMETERS = Parameters()
 PIXELS = Parameters(patches="pixels", pixel_bits=10)

@@ -13,7 +13,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from flow.verilog import convert
-from hdl.stream import SkidBuffer
+from hdl.parts.stream import SkidBuffer
 from sim.cocotb_bench import Bench, BenchError, CocotbNotFoundError, Result, build_bench, check
 
 MODULE = "tests.benches.bench_skid"

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.processes import wait_for_end, wait_for_number
+from tests.support.processes import wait_for_end, wait_for_number
 
 CHILDREN = "echo $$ > first; sh -c 'echo $$ > second; sleep 60'; true"
 

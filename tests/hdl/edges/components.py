@@ -18,7 +18,7 @@ from hdl.edges.video_detector import VideoDetector
 from hdl.output_constructor import record_layout
 from hdl.thresholds import settings_layout
 from sim import Capture
-from tests.malformed import Beats
+from tests.support.malformed import Beats
 
 
 class PlainVideoDetector(wiring.Component):

@@ -18,10 +18,10 @@ from hdl.edges.avalon import AvalonCore
 from hdl.edges.register_map import IDENTITY, register_map
 from hdl.output_constructor import record_layout
 from sim import Stalls, Stimulus
-from tests.hdl.blocks import NO_STALLS, engine
 from tests.hdl.edges.bench import simulate
 from tests.hdl.edges.components import packets
-from tests.photographs import photograph
+from tests.support.blocks import NO_STALLS, engine
+from tests.support.photographs import photograph
 
 WIDTH, HEIGHT = 33, 24
 PARAMETERS = Parameters(max_width=WIDTH, max_height=HEIGHT, autostart=True)

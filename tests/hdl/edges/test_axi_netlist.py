@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from flow.gates import gate_level_verilog
-from flow.synthesis import synthesize
+from flow.cyclone4.gates import gate_level_verilog
+from flow.cyclone4.synthesis import synthesize
 from sim.cocotb_bench import Bench, build_bench, check
 from tests.benches.axi import environment
 from tests.hdl.edges.test_axi_cocotb import BUILDS, FRAMES

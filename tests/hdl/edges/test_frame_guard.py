@@ -12,7 +12,7 @@ from golden import Parameters, Settings
 from golden.video import Event, VideoModel, VideoSettings, marked
 from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard
 from tests.hdl.edges.bench import counted, put, simulate
-from tests.malformed import FAULTS, Beats, whole
+from tests.support.malformed import FAULTS, Beats, whole
 
 PARAMETERS = Parameters(max_width=20, max_height=18)
 WIDTH, HEIGHT = 17, 15

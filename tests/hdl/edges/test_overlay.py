@@ -15,12 +15,12 @@ from golden.thresholds import thresholds
 from golden.video import VideoSettings, marked
 from hdl.edges.overlay import Overlay
 from sim import Stalls, Stimulus
-from tests.accepted import accepted
-from tests.filters import lenient, selective
-from tests.hdl.blocks import engine
 from tests.hdl.edges.components import PlainVideoDetector, levels, packets, payloads
-from tests.malformed import random_video
-from tests.photographs import photograph
+from tests.support.accepted import accepted
+from tests.support.blocks import engine
+from tests.support.filters import lenient, selective
+from tests.support.malformed import random_video
+from tests.support.photographs import photograph
 
 MAX_WIDTH, MAX_HEIGHT = 150, 40
 BUILDS = {

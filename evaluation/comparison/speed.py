@@ -1,0 +1,334 @@
+"""How fast: the golden model beside OpenCV, and the compiled simulation beside Amaranth's.
+
+Each pair is timed in turns in one run, because machines are noisy and a ratio of two runs says little. Run it
+with ``cornerstream bench`` or ``python -m evaluation.comparison.speed [--json]``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from statistics import median
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from evaluation.inputs.packages import MissingPackageError, opencv
+from golden import Parameters, Settings, StreamModel, detect
+from hdl.detector import Detector
+from sim import Engine, EngineName, compare, make_engine, simulate_frames
+
+Image = NDArray[np.uint8]
+Notify = Callable[[str], None]
+
+FULL_HD = (1080, 1920)
+"""Height and width of the frame that is timed."""
+SMALL = (48, 64)
+"""Height and width of the frame that Amaranth's simulator gets: it needs seconds for these few pixels."""
+
+GOLDEN_GOAL = 5.0
+"""The golden model takes at most so many times as long as OpenCV."""
+CLOCKS_GOAL = 800_000.0
+"""The compiled simulation reaches at least so many clocks per second ..."""
+SPEEDUP_GOAL = 250.0
+"""... and so many times Amaranth's simulator."""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Repeated measurements of one thing, in seconds."""
+
+    minimum: float
+    median: float
+    repeats: int
+
+    @classmethod
+    def of(cls, seconds: Sequence[float]) -> Timing:
+        return cls(min(seconds), median(seconds), len(seconds))
+
+
+@dataclass(frozen=True)
+class GoldenSpeed:
+    """``golden.detect`` beside ``cv2.goodFeaturesToTrack(blockSize=5)`` on the same Full HD frame.
+
+    Attributes
+    ----------
+    ratio, median_ratio
+        Golden model's time over OpenCV's: of the fastest repeats, and the median over the repeats.
+    opencv_threads
+        What OpenCV was free to use; the golden model uses one.
+    """
+
+    frame: str
+    golden: Timing
+    opencv: Timing
+    ratio: float
+    median_ratio: float
+    opencv_version: str
+    opencv_threads: int
+    goal: float = GOLDEN_GOAL
+
+
+@dataclass(frozen=True)
+class EngineRate:
+    """One engine on the detector's top level: clocks per second, the best and the median repeat."""
+
+    name: str
+    frame: str
+    clocks: int
+    best: float
+    median: float
+    repeats: int
+    mismatches: int
+
+
+@dataclass(frozen=True)
+class EngineSpeed:
+    """The compiled engine beside Amaranth's simulator; ``speedup`` compares the medians."""
+
+    compiled: EngineRate
+    amaranth: EngineRate
+    speedup: float
+    clocks_goal: float = CLOCKS_GOAL
+    speedup_goal: float = SPEEDUP_GOAL
+
+
+def mirrored_photograph(shape: tuple[int, int]) -> Image:
+    """scikit-image's photograph ``camera`` (512x512), continued by its mirror images, cut to ``shape``."""
+    from skimage import data
+
+    photograph = np.asarray(data.camera())
+    margins = [(0, max(wanted - side, 0)) for wanted, side in zip(shape, photograph.shape, strict=True)]
+    filled = np.pad(photograph, margins, mode="symmetric")
+    return np.ascontiguousarray(filled[: shape[0], : shape[1]])
+
+
+def _size(image: Image) -> str:
+    return f"{image.shape[1]}x{image.shape[0]}"
+
+
+def _seconds(action: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    action()
+    return time.perf_counter() - start
+
+
+def golden_speed(repeats: int = 15) -> GoldenSpeed:
+    """Time the golden model and OpenCV in turns on one Full HD frame.
+
+    Both report every maximum over its 3x3 neighbours above 0.01 of the largest response. That is all that
+    OpenCV does; the golden model filters by texture and refines to subpixels as well.
+    """
+    cv2 = opencv()
+    frame = mirrored_photograph(FULL_HD)
+    settings = Settings(sigma1=0.01)
+
+    def by_golden() -> object:
+        return detect(frame, settings=settings)
+
+    def by_opencv() -> object:
+        return cv2.goodFeaturesToTrack(frame, 0, settings.sigma1, 0, blockSize=5)
+
+    by_golden()  # the first call of each loads and allocates
+    by_opencv()
+    pairs = [(_seconds(by_golden), _seconds(by_opencv)) for _ in range(repeats)]
+    golden, reference = (Timing.of(seconds) for seconds in zip(*pairs, strict=True))
+    return GoldenSpeed(
+        frame=_size(frame),
+        golden=golden,
+        opencv=reference,
+        ratio=golden.minimum / reference.minimum,
+        median_ratio=median(one / other for one, other in pairs),
+        opencv_version=cv2.__version__,
+        opencv_threads=cv2.getNumThreads(),
+    )
+
+
+class _EngineUnderTest:
+    """An engine, its frame, and what its runs have shown so far."""
+
+    def __init__(self, engine: Engine, image: Image, parameters: Parameters) -> None:
+        self._engine, self._image, self._parameters = engine, image, parameters
+        self._settings = Settings.default(parameters)
+        self._expected = [StreamModel(parameters).process(image, self._settings).records]
+        self._rates: list[float] = []
+        self._mismatches = 0
+        self._clocks = 0
+
+    def run(self) -> None:
+        result = simulate_frames(self._engine, [(self._image, self._settings)], self._parameters)
+        self._rates.append(result.clocks_per_second)
+        self._mismatches += len(compare(result, self._expected))
+        self._clocks = result.clocks
+
+    def rate(self) -> EngineRate:
+        return EngineRate(
+            name=self._engine.name,
+            frame=_size(self._image),
+            clocks=self._clocks,
+            best=max(self._rates),
+            median=median(self._rates),
+            repeats=len(self._rates),
+            mismatches=self._mismatches,
+        )
+
+
+def engine_speed(
+    repeats: int = 3, parameters: Parameters | None = None, notify: Notify | None = None
+) -> EngineSpeed:
+    """Clocks per second of both engines on the same detector, in turns; elaborating and compiling not counted.
+
+    The compiled engine runs a Full HD frame, Amaranth's simulator a small one: the design is the same, built
+    for Full HD. Every run's records are compared with the golden model's.
+    """
+    parameters = parameters or Parameters()
+    say = notify or (lambda line: None)
+
+    def on_test(name: EngineName, shape: tuple[int, int]) -> _EngineUnderTest:
+        engine = make_engine(name, Detector(parameters), notify=notify)
+        return _EngineUnderTest(engine, mirrored_photograph(shape), parameters)
+
+    compiled, amaranth = on_test("compiled", FULL_HD), on_test("amaranth", SMALL)
+    for turn in range(repeats):
+        say(f"simulating, turn {turn + 1} of {repeats}")
+        compiled.run()
+        amaranth.run()
+    fast, slow = compiled.rate(), amaranth.rate()
+    return EngineSpeed(compiled=fast, amaranth=slow, speedup=fast.median / slow.median)
+
+
+def run(
+    *, repeats: int = 15, turns: int = 3, engines: bool = True, notify: Notify | None = None
+) -> dict[str, Any]:
+    """Measure everything; the result holds nothing but what JSON can.
+
+    Parameters
+    ----------
+    repeats
+        Of the golden model and OpenCV.
+    turns
+        Of the simulations, if ``engines``.
+    notify
+        Called with a line before anything that takes seconds.
+
+    Raises
+    ------
+    MissingPackageError
+        OpenCV is not installed.
+    sim.CompilerNotFoundError, sim.CompilationError
+        No compiled engine can be built.
+    """
+    say = notify or (lambda line: None)
+    opencv()  # rather now than after minutes
+    say("timing the golden model and OpenCV")
+    result: dict[str, Any] = {
+        "machine": {"processor": platform.machine(), "python": platform.python_version()},
+        "golden": asdict(golden_speed(repeats)),
+    }
+    if engines:
+        result["engines"] = asdict(engine_speed(turns, notify=notify))
+    return result
+
+
+def _verdict(reached: bool) -> str:
+    return "[green]reached[/green]" if reached else "[red]missed[/red]"
+
+
+def golden_table(speed: dict[str, Any]) -> Table:
+    """``run()["golden"]`` for people."""
+    table = Table(title=f"Golden model and OpenCV {speed['opencv_version']}, one {speed['frame']} frame")
+    table.add_column("")
+    for column in ("fastest, ms", "median, ms", "threads"):
+        table.add_column(column, justify="right")
+    threads = {"golden": 1, "opencv": speed["opencv_threads"]}
+    for key, title in (("golden", "golden.detect"), ("opencv", "goodFeaturesToTrack(blockSize=5)")):
+        timing = speed[key]
+        milliseconds = [f"{1000 * timing[field]:.1f}" for field in ("minimum", "median")]
+        table.add_row(title, *milliseconds, str(threads[key]))
+    verdict = _verdict(speed["median_ratio"] <= speed["goal"])
+    table.caption = Text.from_markup(
+        f"ratio {speed['ratio']:.2f}, median {speed['median_ratio']:.2f}; "
+        f"goal at most {speed['goal']:g}: {verdict}"
+    )
+    return table
+
+
+def engine_table(speed: dict[str, Any]) -> Table:
+    """``run()["engines"]`` for people."""
+    table = Table(title="Simulated hardware, built for 1920x1080, in clocks per second")
+    table.add_column("engine")
+    for column in ("frame", "clocks run", "best", "median", "mismatches"):
+        table.add_column(column, justify="right")
+    for rate in (speed["compiled"], speed["amaranth"]):
+        figures = [f"{rate[field]:,.0f}" for field in ("clocks", "best", "median", "mismatches")]
+        table.add_row(rate["name"], rate["frame"], *figures)
+    clocks = _verdict(speed["compiled"]["median"] >= speed["clocks_goal"])
+    speedup = _verdict(speed["speedup"] >= speed["speedup_goal"])
+    table.caption = Text.from_markup(
+        f"goal at least {speed['clocks_goal']:,.0f} clocks/s: {clocks}; "
+        f"{speed['speedup']:,.0f} times as fast, goal at least {speed['speedup_goal']:g}: {speedup}"
+    )
+    return table
+
+
+def rates(result: dict[str, Any]) -> list[dict[str, Any]]:
+    """Each engine's part of what :func:`run` returns."""
+    return [result["engines"][name] for name in ("compiled", "amaranth")] if "engines" in result else []
+
+
+def tables(result: dict[str, Any]) -> list[Table]:
+    """What :func:`run` returns, for people."""
+    engines = [engine_table(result["engines"])] if "engines" in result else []
+    return [golden_table(result["golden"]), *engines]
+
+
+def main(
+    *,
+    as_json: bool = False,
+    repeats: int = 15,
+    turns: int = 3,
+    engines: bool = True,
+    console: Console | None = None,
+) -> dict[str, Any]:
+    """Measure and print, as tables or as JSON; what :func:`run` returns and raises."""
+    status = Console(stderr=True)
+    result = run(
+        repeats=repeats, turns=turns, engines=engines, notify=lambda line: status.print(line, style="dim")
+    )
+    console = console or Console()
+    if as_json:
+        console.print_json(json.dumps(result))
+        return result
+    for table in tables(result):
+        console.print(table)
+    return result
+
+
+def _command_line() -> None:
+    parser = argparse.ArgumentParser(prog="python -m evaluation.comparison.speed", description=__doc__)
+    parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
+    parser.add_argument("--repeats", type=int, default=15, help="of the golden model and OpenCV")
+    parser.add_argument("--turns", type=int, default=3, help="of the simulations")
+    parser.add_argument("--no-engines", action="store_true", help="leave the simulations out")
+    arguments = parser.parse_args()
+    try:
+        main(
+            as_json=arguments.json,
+            repeats=arguments.repeats,
+            turns=arguments.turns,
+            engines=not arguments.no_engines,
+        )
+    except MissingPackageError as error:
+        parser.error(str(error))
+
+
+if __name__ == "__main__":
+    _command_line()

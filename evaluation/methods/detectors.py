@@ -1,0 +1,230 @@
+"""Detectors that are set side by side: the same question to each, corners of an image, strongest first.
+
+All of them are asked for corners whose 15x15 support lies inside the image, which is all that the hardware reports.
+"""
+
+from __future__ import annotations
+
+import zlib
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evaluation.inputs.packages import opencv
+from golden import Parameters, Settings, detect
+from golden.parameters import MARGIN, MAX_SIDE, SIGMA2_INTEGER_BITS
+
+Image = NDArray[np.uint8]
+Points = NDArray[np.float64]
+"""(n, 2): x and y of corners in pixels, the first pixel's centre at (0, 0), strongest first."""
+
+LOWEST_SIGMA1 = 0.002
+"""Where the best N are wanted, whatever their response: low enough that thousands remain on a photograph."""
+NO_FILTER = float(1 << SIGMA2_INTEGER_BITS) - 1
+"""sigma2 at which nothing is rejected: tau is at most 8 times the largest D."""
+MOST = 20_000
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """A pair of thresholds as ``Settings`` has them; sigma1 is also OpenCV's ``qualityLevel``."""
+
+    sigma1: float
+    sigma2: float
+
+    @property
+    def name(self) -> str:
+        return f"{self.sigma1:g}/{self.sigma2:g}"
+
+
+USUAL = Thresholds(Settings().sigma1, Settings().sigma2)
+PAPER = Thresholds(0.1, 0.1)
+PAPER_LOW = Thresholds(0.01, 0.1)
+"""With the least sigma1 that the paper recommends."""
+
+
+class Detector(ABC):
+    """One way to find corners."""
+
+    name: str
+
+    @abstractmethod
+    def ranked(self, image: Image, thresholds: Thresholds) -> Points:
+        """All corners, however weak, strongest first. Only sigma2 counts, and only where there is a filter."""
+
+    @abstractmethod
+    def at(self, image: Image, thresholds: Thresholds) -> Points:
+        """Corners at these thresholds, strongest first."""
+
+
+class Ours(Detector):
+    """The golden model.
+
+    Parameters
+    ----------
+    name
+        For tables.
+    parameters
+        The detector.
+    filtered
+        With its texture filter, or without.
+    """
+
+    def __init__(self, name: str, parameters: Parameters, *, filtered: bool = True) -> None:
+        self.name = name
+        # what is built limits the size of a frame, and nothing else: images of every size are measured
+        self.parameters = replace(parameters, max_width=MAX_SIDE, max_height=MAX_SIDE)
+        self.filtered = filtered
+
+    def ranked(self, image: Image, thresholds: Thresholds) -> Points:
+        return self.at(image, replace(thresholds, sigma1=LOWEST_SIGMA1))
+
+    def at(self, image: Image, thresholds: Thresholds) -> Points:
+        sigma2 = self._sigma2(thresholds)
+        settings = Settings.default(self.parameters, sigma1=thresholds.sigma1, sigma2=sigma2)
+        corners = detect(image, self.parameters, settings)
+        order = np.argsort(-corners.response, kind="stable")
+        return np.column_stack([corners.x, corners.y])[order]
+
+    def _sigma2(self, thresholds: Thresholds) -> float:
+        if self.parameters.texture == "patches":
+            return thresholds.sigma2 if self.filtered else NO_FILTER
+        # the adaptive threshold's weight is another thing than the paper's sigma2
+        return USUAL.sigma2 if self.filtered else 0.0
+
+
+class GoodFeaturesToTrack(Detector):
+    """OpenCV's Shi-Tomasi detector: whole pixels, maxima of 3x3, block of 5x5 as our smoothing."""
+
+    name = "goodFeaturesToTrack"
+
+    def ranked(self, image: Image, thresholds: Thresholds) -> Points:
+        return self.at(image, replace(thresholds, sigma1=LOWEST_SIGMA1))
+
+    def at(self, image: Image, thresholds: Thresholds) -> Points:
+        inside = np.zeros(image.shape, np.uint8)
+        inside[MARGIN:-MARGIN, MARGIN:-MARGIN] = 1
+        found = opencv().goodFeaturesToTrack(
+            image, MOST, max(thresholds.sigma1, 1e-6), 0, mask=inside, blockSize=5
+        )
+        return np.empty((0, 2)) if found is None else found.reshape(-1, 2).astype(np.float64)
+
+
+class Fast(Detector):
+    """OpenCV's FAST-9 of 16, with non-maximum suppression; whole pixels. It has a threshold of its own."""
+
+    name = "FAST"
+    threshold = 10
+    """OpenCV's default."""
+    lowest = 2
+
+    def _detect(self, image: Image, threshold: int) -> Points:
+        height, width = image.shape
+        keypoints = opencv().FastFeatureDetector_create(threshold=threshold).detect(image)
+        if not keypoints:
+            return np.empty((0, 2))
+        values = np.array([(*keypoint.pt, keypoint.response) for keypoint in keypoints])
+        x, y = values[:, 0], values[:, 1]
+        inside = (x >= MARGIN) & (y >= MARGIN) & (x < width - MARGIN) & (y < height - MARGIN)
+        values = values[inside]
+        return values[np.argsort(-values[:, 2], kind="stable"), :2]
+
+    def ranked(self, image: Image, thresholds: Thresholds) -> Points:
+        return self._detect(image, self.lowest)
+
+    def at(self, image: Image, thresholds: Thresholds) -> Points:
+        return self._detect(image, self.threshold)
+
+
+class Chance(Detector):
+    """Points anywhere, for comparison: what repeatability comes to by chance."""
+
+    name = "chance"
+    density = 1 / 400
+    """Points per pixel where nobody says how many."""
+
+    def ranked(self, image: Image, thresholds: Thresholds) -> Points:
+        height, width = image.shape
+        # a view of the same scene is to get other points
+        random = np.random.default_rng(zlib.crc32(image.tobytes()))
+        size = (MOST // 4, 2)
+        return random.uniform((MARGIN, MARGIN), (width - 1 - MARGIN, height - 1 - MARGIN), size)
+
+    def at(self, image: Image, thresholds: Thresholds) -> Points:
+        return self.ranked(image, thresholds)[: round(image.size * self.density)]
+
+
+WITHOUT = " without filter"
+PLAIN = "ranking by D"
+PLAIN_PARAMETERS = Parameters(gradient="signed", ties="first", fit="gradient")
+
+
+def detectors(profiles: dict[str, Parameters]) -> list[Detector]:
+    """Each profile with and without its filter, plain ranking by D, then OpenCV's, then chance.
+
+    Ranking by D is the paper's detector without a filter, but with signed gradients and placed by the gradient step:
+    what else a profile does has to be better than this.
+    """
+    ours: list[Detector] = [Ours(PLAIN, PLAIN_PARAMETERS, filtered=False)]
+    for name, parameters in profiles.items():
+        ours.append(Ours(name, parameters))
+        ours.append(Ours(name + WITHOUT, parameters, filtered=False))
+    return [*ours, GoodFeaturesToTrack(), Fast(), Chance()]
+
+
+class Memory:
+    """Corners that were asked for before, by detector, image and thresholds."""
+
+    def __init__(self) -> None:
+        # an image is known by its identity, which is its own only as long as it is kept
+        self._kept: dict[tuple[str, int, Thresholds, bool], tuple[Image, Points]] = {}
+
+    def corners(self, detector: Detector, image: Image, at: Thresholds, ranked: bool) -> Points:
+        """``detector.ranked`` or ``.at`` of this very array."""
+        key = (detector.name, id(image), at, ranked)
+        if key not in self._kept:
+            self._kept[key] = image, detector.ranked(image, at) if ranked else detector.at(image, at)
+        return self._kept[key][1]
+
+
+PIXELS_PER_CORNER = 600
+
+
+@dataclass(frozen=True)
+class Mode:
+    """How many corners each detector may report.
+
+    Attributes
+    ----------
+    name
+        As the results call it.
+    thresholds
+        Of ours; sigma1 counts only where the number is free.
+    equal
+        Everyone reports its strongest N. Otherwise everyone reports what its thresholds let pass.
+    like
+        The detector that says by its thresholds what N is; None: N is :func:`budget` of the image.
+    """
+
+    name: str
+    thresholds: Thresholds
+    equal: bool
+    like: str | None = None
+    pixels_per_corner: int = PIXELS_PER_CORNER
+
+
+MODES = (
+    Mode("equal numbers", USUAL, equal=True),
+    Mode(f"thresholds {USUAL.name}", USUAL, equal=False),
+    Mode(f"as many as paper at {USUAL.name}", USUAL, equal=True, like="paper"),
+    Mode(f"thresholds {PAPER.name}", PAPER, equal=False),
+    Mode(f"thresholds {PAPER_LOW.name}", PAPER_LOW, equal=False),
+    Mode(f"as many as paper at {PAPER_LOW.name}", PAPER_LOW, equal=True, like="paper"),
+)
+
+
+def budget(image: Image, pixels_per_corner: int = PIXELS_PER_CORNER) -> int:
+    """N for an image where nothing else says so: 512 corners in 640x480."""
+    return max(round(image.size / pixels_per_corner), 10)

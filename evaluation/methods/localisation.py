@@ -1,0 +1,98 @@
+"""Every way to place a corner, from the same whole pixels: these themselves, each fit of the golden model, OpenCV."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evaluation.inputs.packages import opencv
+from golden import Parameters, Settings, detect
+from golden.detector import corner_map, frame_thresholds, response_map
+from golden.parameters import MARGIN, Fit
+
+Positions = NDArray[np.float64]
+
+INTEGER = "integer"
+OPENCV = "cornerSubPix"
+SUBPIX_HALF_WINDOW = 3
+"""7x7 pixels."""
+SUBPIX_ITERATIONS = 30
+SUBPIX_STEP = 0.01
+"""OpenCV stops after so many iterations, or once a step is shorter than this many pixels."""
+
+
+@dataclass(frozen=True)
+class Placements:
+    """All corners of an image, by each method.
+
+    Attributes
+    ----------
+    positions
+        (n, 2) x and y in pixels, by the method's name. The same row is the same corner.
+    accepted
+        (n,) what the texture filter let pass.
+    """
+
+    positions: dict[str, Positions]
+    accepted: NDArray[np.bool_]
+
+    def nearest(self, x: float, y: float, within: float) -> int | None:
+        """Row of the corner whose whole pixel is nearest to (x, y); None if none is near enough."""
+        pixels = self.positions[INTEGER]
+        distances = np.hypot(pixels[:, 0] - x, pixels[:, 1] - y)
+        if not len(distances) or distances.min() > within:
+            return None
+        return int(distances.argmin())
+
+
+def methods(parameters: Parameters) -> list[str]:
+    """Names of the methods that a detector of these parameters allows, in the order in which they are shown."""
+    return [INTEGER, *_variants(parameters), OPENCV]
+
+
+def _variants(parameters: Parameters) -> dict[str, Parameters]:
+    variants = {}
+    for fit in get_args(Fit):
+        try:
+            variants[str(fit)] = replace(parameters, fit=fit)
+        except ValueError:
+            # not every fit can be had with every gradient
+            continue
+    return variants
+
+
+def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> Placements:
+    """Find corners once, and place them by every method.
+
+    What is a corner, and whether it is textured, does not depend on the fit, nor does the order.
+    """
+    settings = replace(settings, report_rejected=True)
+    found = {name: detect(image, variant, settings) for name, variant in _variants(parameters).items()}
+    pixels = whole_pixels(image, parameters, settings)
+    positions = {INTEGER: pixels.astype(np.float64)}
+    positions |= {name: np.column_stack([corners.x, corners.y]) for name, corners in found.items()}
+    positions[OPENCV] = corner_sub_pix(image, pixels)
+    assert len({len(each) for each in positions.values()}) == 1, "rows are not the same corners"
+    return Placements(positions, found[parameters.fit].accepted)
+
+
+def whole_pixels(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> NDArray[np.int64]:
+    """(n, 2) pixels at which the response has its maxima, in the order of the records."""
+    responses = response_map(image, parameters)
+    _, limits = frame_thresholds(image, responses, parameters, settings, None)
+    rows, columns = np.nonzero(corner_map(responses, limits.t1, parameters))
+    return np.column_stack([columns, rows]) + MARGIN
+
+
+def corner_sub_pix(image: NDArray[np.uint8], pixels: NDArray[np.int64]) -> Positions:
+    """``cv2.cornerSubPix`` from these pixels, (n, 2)."""
+    cv2 = opencv()
+    if not len(pixels):
+        return np.empty((0, 2))
+    start = np.ascontiguousarray(pixels, dtype=np.float32).reshape(-1, 1, 2)
+    stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, SUBPIX_ITERATIONS, SUBPIX_STEP)
+    window = (SUBPIX_HALF_WINDOW, SUBPIX_HALF_WINDOW)
+    return cv2.cornerSubPix(image, start, window, (-1, -1), stop).reshape(-1, 2).astype(np.float64)

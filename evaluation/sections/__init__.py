@@ -1,0 +1,1 @@
+"""What is measured of it, one section a file."""

@@ -1,0 +1,212 @@
+"""How T1 follows a target number of corners on video: made of photographs that scikit-image ships.
+
+The scene pans, zooms, darkens, cuts to another one, goes black and comes back, with noise of its own in every frame.
+Beside the law that is built (``golden.adaptation``) stands the usual alternative, which counts only what it reports
+and turns T1 up or down by a step that depends on how far off that is.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evaluation.inputs.sources import photograph
+from golden import Parameters, Settings, StreamModel, profile
+from golden.detector import frame_records, largest_response, response_map
+from golden.thresholds import choose_reference, thresholds
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Image = NDArray[np.uint8]
+Record = dict[str, Any]
+
+WIDTH, HEIGHT = 320, 240
+FRAMES = 12
+"""Of each scene."""
+NOISE = 2.0
+"""Standard deviation of a pixel."""
+SEED = 0
+TARGETS = (100, 300)
+TOLERANCES = (1 / 8, 1 / 4)
+STEPS, PAPER = "steps", "histogram, the paper's filter"
+LAWS = ("histogram", PAPER, STEPS)
+"""What decides about T1. The paper's filter compares with a fraction of the frame before's largest D, which jumps."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Some frames between two cuts."""
+
+    name: str
+    frame: Callable[[int], NDArray[Any]]
+    frames: int = FRAMES
+
+
+def _panned(name: str, k: int) -> Image:
+    image = photograph(name)
+    top, left = 2 * k, 5 * k
+    return image[top : top + HEIGHT, left : left + WIDTH]
+
+
+def _zoomed(name: str, k: int) -> NDArray[Any]:
+    from skimage.transform import resize
+
+    image, factor = photograph(name), 1 - k / 40
+    height, width = round(HEIGHT * factor), round(WIDTH * factor)
+    top, left = (image.shape[0] - height) // 2, (image.shape[1] - width) // 2
+    return np.asarray(resize(image[top : top + height, left : left + width], (HEIGHT, WIDTH)) * 255)
+
+
+def _darkened(name: str, k: int) -> NDArray[Any]:
+    # a sudden step, then slowly
+    return _panned(name, k) * (0.5 - k / 50)
+
+
+def _black(k: int) -> NDArray[Any]:
+    return np.zeros((HEIGHT, WIDTH))
+
+
+SCENES = (
+    Scene("camera, panned", lambda k: _panned("camera", k)),
+    Scene("grass, panned", lambda k: _panned("grass", k)),
+    Scene("coins, zoomed", lambda k: _zoomed("coins", k)),
+    Scene("gravel, panned", lambda k: _panned("gravel", k)),
+    Scene("gravel, darkened", lambda k: _darkened("gravel", k)),
+    Scene("black", _black, 3),
+    Scene("gravel, panned again", lambda k: _panned("gravel", k)),
+    Scene("brick, panned", lambda k: _panned("brick", k)),
+    Scene("camera, zoomed", lambda k: _zoomed("camera", k)),
+)
+
+
+def video() -> list[Image]:
+    """All scenes, one after the other."""
+    random = np.random.default_rng(SEED)
+    frames = [np.asarray(scene.frame(k), np.float64) for scene in SCENES for k in range(scene.frames)]
+    noisy = [frame + random.normal(0, NOISE, frame.shape) for frame in frames]
+    return [np.clip(np.rint(frame), 0, 255).astype(np.uint8) for frame in noisy]
+
+
+def stepped(t1: int, count: int, target: int, least: int) -> int:
+    """T1 after a frame of so many corners: times a power of two that grows with the error; none within an eighth."""
+    ratio = count / target
+    for bound, step in ((4, 8), (2, 5), (1.5, 3), (9 / 8, 1)):
+        if ratio > bound:
+            return round(t1 * 2 ** (step / 8))
+        if ratio < 1 / bound:
+            return max(least, round(t1 * 2 ** (-step / 8)))
+    return t1
+
+
+def _follow(law: str, frames: list[Image], target: int, parameters: Parameters) -> Record:
+    if law == PAPER:
+        parameters = replace(parameters, texture="patches")
+    settings = Settings.default(parameters)
+    counts, t1s = [], []
+    if law != STEPS:
+        model = StreamModel(parameters)
+        for image in frames:
+            result = model.process(image, replace(settings, target_corners=target))
+            counts.append(result.found)
+            t1s.append(result.t1)
+        return {"counts": counts, "t1": t1s}
+    previous, t1 = None, None
+    least = thresholds(settings, settings.floor, parameters).t1
+    for image in frames:
+        responses = response_map(image, parameters)
+        limits = thresholds(settings, choose_reference(settings, previous), parameters)
+        t1 = limits.t1 if t1 is None else t1
+        records = frame_records(image, responses, limits._replace(t1=t1), parameters, report_rejected=False)
+        counts.append(len(records))
+        t1s.append(t1)
+        t1, previous = stepped(t1, len(records), target, least), largest_response(responses, parameters)
+    return {"counts": counts, "t1": t1s}
+
+
+def _summary(counts: list[int], t1: list[int], target: int, starts: list[int]) -> Record:
+    """Of frames that could have met it: neither black nor a scene's first, nor at the least T1 with fewer."""
+    black = {
+        first + k
+        for scene, first in zip(SCENES, starts, strict=True)
+        if scene.name == "black"
+        for k in range(scene.frames)
+    }
+    least = min(t1)
+    judged = [
+        k
+        for k, count in enumerate(counts)
+        if k not in starts and k not in black and not (t1[k] == least and count < target)
+    ]
+    errors = np.abs(np.array([counts[k] for k in judged]) / target - 1)
+    return {
+        "frames": len(judged),
+        "median_error": float(np.median(errors)),
+        "within": {f"{tolerance:g}": float(np.mean(errors <= tolerance)) for tolerance in TOLERANCES},
+    }
+
+
+def adaptation(
+    parameters: Parameters | None = None, *, notify: Callable[[int], None] = lambda done: None
+) -> Record:
+    """Count and T1 of every frame, by target and law; ``notify`` is told of each such pair.
+
+    ``parameters``: built with ``budget``; by default the profile ``robust``.
+    """
+    parameters = parameters or profile("robust", budget=True)
+    frames = video()
+    starts = np.cumsum([0, *(scene.frames for scene in SCENES)])[:-1].tolist()
+    targets: Record = {}
+    for target in TARGETS:
+        targets[str(target)] = {}
+        for law in LAWS:
+            series = _follow(law, frames, target, parameters)
+            series["summary"] = _summary(series["counts"], series["t1"], target, starts)
+            targets[str(target)][law] = series
+            notify(1)
+    return {
+        "size": [WIDTH, HEIGHT],
+        "noise": NOISE,
+        "seed": SEED,
+        "scenes": [{"name": scene.name, "start": start} for scene, start in zip(SCENES, starts, strict=True)],
+        "targets": targets,
+    }
+
+
+def draw(record: Record) -> Figure:
+    """Corners of every frame against the target, one panel per target."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 6), layout="constrained", dpi=100)
+    panels = figure.subplots(len(record["targets"]), 1, sharex=True, squeeze=False)[:, 0]
+    styles = dict(zip(LAWS, ("#0072b2", "#56b4e9", "#e69f00"), strict=True))
+    for axes, (target, laws) in zip(panels, record["targets"].items(), strict=True):
+        aim = int(target)
+        axes.axhspan(aim * 7 / 8, aim * 9 / 8, color="#dddddd", label="target ± 1/8")
+        for law, series in reversed(laws.items()):
+            # a count of 0 has no place on the scale
+            axes.plot(np.maximum(series["counts"], 1), ".-", color=styles[law], label=law, linewidth=1)
+        axes.set_yscale("log")
+        axes.set_ylabel(f"corners, target {target}")
+        axes.set_ylim(max(1, aim / 30), aim * 20)
+        for scene in record["scenes"]:
+            axes.axvline(scene["start"] - 0.5, color="#999999", linewidth=0.5)
+    for scene in record["scenes"]:
+        panels[0].text(
+            scene["start"], panels[0].get_ylim()[1], scene["name"], fontsize=7, rotation=20, va="bottom"
+        )
+    panels[0].legend(fontsize=7, loc="lower right")
+    panels[-1].set_xlabel("frame")
+    return figure
+
+
+def plot(record: Record) -> bytes:
+    """:func:`draw` as a PNG, the same for the same record."""
+    file = io.BytesIO()
+    draw(record).savefig(file, format="png", metadata={"Software": None})
+    return file.getvalue()

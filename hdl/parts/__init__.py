@@ -1,0 +1,1 @@
+"""What is no box of the paper: streams, buffers, tables, arithmetic."""

@@ -1,0 +1,62 @@
+"""The committed page and its figures: complete, written by the generator, and those of this hardware."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+
+from evaluation.comparison import page as comparison
+from evaluation.comparison.figures import AREA_FIELDS, PLACED, SIZES, Build, Record, builds, clocks, structure
+
+DOCS = Path(__file__).parents[3] / "docs"
+QUICK = builds(SIZES[-1:])
+
+
+def committed() -> Record:
+    return json.loads((DOCS / comparison.FIGURES_NAME).read_text(encoding="utf-8"))
+
+
+def test_committed_page_is_written_from_the_committed_figures() -> None:
+    assert (DOCS / comparison.PAGE_NAME).read_text(encoding="utf-8") == comparison.page(committed())
+
+
+def test_committed_figures_are_complete() -> None:
+    found = committed()["builds"]
+    assert [(b["profile"], b["buffering"], b["width"], b["height"]) for b in found] == [
+        tuple(asdict(build).values()) for build in builds()
+    ]
+    for figure in found:
+        assert all(figure[field] is not None for field in (*AREA_FIELDS, "clocks_per_frame"))
+        assert (figure["fmax_mhz"] is not None) == ((figure["width"], figure["height"]) in PLACED)
+        assert figure["le_lower"] <= figure["le_packed"] <= figure["le_upper"]
+
+
+@pytest.mark.parametrize(
+    ("buffering", "elements", "memory_bits", "mhz"),
+    [("lean", 5000, 260_000, 150), ("banked", 6500, 803_104, 100)],
+)
+def test_committed_figures_reach_the_targets(
+    buffering: str, elements: int, memory_bits: int, mhz: float
+) -> None:
+    """At the size of the paper's Table 1: less than the paper's 6,507 elements and 803,104 bits at 100 MHz."""
+    wanted = {"profile": "paper", "buffering": buffering, "width": 1200, "height": 720}
+    (build,) = (found for found in committed()["builds"] if wanted.items() <= found.items())
+    assert build["le_packed"] <= elements and build["memory_bits"] <= memory_bits
+    assert build["fmax_mhz"] >= mhz and build["multipliers"] == 0
+    assert build["clocks_per_frame"] == 1200 * 720
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("build", QUICK, ids=lambda build: build.name)
+def test_cheap_figures_are_measured_anew(build: Build) -> None:
+    (kept,) = (
+        found
+        for found in committed()["builds"]
+        if {name: found[name] for name in asdict(build)} == asdict(build)
+    )
+    fresh = structure(build.parameters) | clocks(build.parameters)
+    for field in ("declared_memory_bits", "port_bits", "clocks_per_frame", "corners"):
+        assert kept[field] == fresh[field], f"{field} has changed: run cornerstream tables"

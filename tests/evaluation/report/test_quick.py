@@ -1,0 +1,29 @@
+"""``cornerstream eval --quick`` as it is, on what the packages ship: the figures that profile robust is there for."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from cornerstream.cli import main
+from evaluation.inputs.scenes import KINDS
+from evaluation.methods.detectors import PLAIN
+from tests.support.runner import CliRunner
+
+
+@pytest.mark.slow
+def test_quick_study_finds_what_the_page_says() -> None:
+    result = CliRunner().invoke(main, ["eval", "--quick", "--json"], prog_name="cornerstream")
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    accuracy = found["accuracy"]
+    assert set(accuracy) == {"paper", "robust"}
+    assert accuracy["robust"]["L"]["median"] <= 0.4
+    assert accuracy["robust"]["saddle"]["median"] <= 0.15
+    for kind in KINDS:
+        assert accuracy["robust"][kind]["median"] < accuracy["paper"][kind]["median"]
+        assert accuracy["robust"][kind]["detected"]["value"] == 1
+    equal = found["repeatability"]["modes"]["equal numbers"]
+    means = {name: equal[name]["all"]["repeatability"]["value"] for name in ("paper", PLAIN, "robust")}
+    assert means["paper"] < means[PLAIN] < means["robust"]

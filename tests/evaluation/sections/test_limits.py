@@ -1,0 +1,108 @@
+"""What docs/limits.md says is recomputed here."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from evaluation.sections.limits import PICTURE, board, on_board, picture, wander
+from golden import Settings, detect, profile
+from golden.detector import response_map
+from golden.parameters import MARGIN, Fit
+from golden.subpixel import offset_limit
+from tests.support.photographs import PHOTOGRAPHS, photograph
+
+PAGE = (Path(__file__).parents[3] / "docs" / "limits.md").read_text(encoding="utf-8")
+TEXT = " ".join(PAGE.split())
+ROWS = {line.split(" | ")[0].strip("| "): line for line in PAGE.splitlines() if re.match(r"\| \d", line)}
+"""Of both tables, by their first cells."""
+
+
+def cells(first: str) -> list[float]:
+    return [float(cell) for cell in ROWS[first].strip("|").split("|")]
+
+
+@pytest.mark.parametrize("square", [2, 3, 4, 5, 6, 8])
+def test_boards(square: int) -> None:
+    found = on_board(square, profile("robust"))
+    responses = response_map(board(square), profile("robust"))
+    assert cells(str(square)) == [
+        square,
+        *found[:2],
+        round(found.farthest, 2),
+        responses.min(),
+        responses.max(),
+    ]
+    if square == 3:
+        assert on_board(square, profile("robust", fit="nine")) == (found.there, found.there, 0)
+    assert found.found == (0 if square in (2, 4) else found.there)
+
+
+@pytest.mark.parametrize("square", [2, 3, 4, 5, 6, 8])
+def test_boards_of_the_paper(square: int) -> None:
+    assert on_board(square, profile("paper")).found == 0
+    assert on_board(square, profile("paper", ties="first")).found == 0
+    peaks = detect(board(square), profile("paper", ties="first"), Settings(sigma2=15.9))
+    there = on_board(square, profile("paper")).there
+    assert len(peaks) == there if square >= 5 else square == 3 or len(peaks) == 0
+
+
+def test_picture_is_the_committed_one() -> None:
+    with Image.open(PICTURE) as committed:
+        assert np.array_equal(committed.convert("RGB"), picture())
+
+
+@pytest.mark.parametrize("blur", [0.5, 1.0, 1.5, 2.0, 2.5])
+def test_soft_corners(blur: float) -> None:
+    fits: tuple[Fit, ...] = ("gradient", "nine")
+    measured = [wander(blur, degrees, fit) for fit in fits for degrees in (0, 22, 45)]
+    # rendered in floating point: a grey level may be rounded otherwise elsewhere
+    assert measured == pytest.approx(cells(str(blur))[1:], abs=0.02)
+
+
+def test_where_soft_corners_are_better_placed_by_a_surface() -> None:
+    for blur in ("1.5", "2.0", "2.5"):
+        _, *found = cells(blur)
+        gradient, nine = found[:3], found[3:]
+        assert max(nine) < max(gradient) and max(nine) < 0.28
+    assert max(cells("1.0")[1:4]) < 0.25
+
+
+def test_corners_of_a_surface_keep_their_distance_from_the_edges(camera: np.ndarray) -> None:
+    found = detect(camera, profile("paper"), Settings(reference="constant"))
+    nearest = min(axis.min() for axis in (found.x, found.y, 511 - found.x, 511 - found.y))
+    assert nearest == MARGIN - offset_limit("nine") / 128 == 6.5
+    assert "between 6.5 and W - 7.5 with a surface" in TEXT
+
+
+@pytest.mark.parametrize(("begins", "there"), [(5, False), (6, True), (7, True)])
+def test_corners_of_the_gradient_step_may_be_nearer_than_seven_pixels(begins: int, there: bool) -> None:
+    image = np.full((60, 60), 60, np.uint8)
+    image[begins:30, begins:30] = 200
+    found = detect(image, profile("robust"))
+    off = np.hypot(found.x - begins + 0.5, found.y - begins + 0.5).min()
+    assert (off < 0.1) == there
+    assert MARGIN - offset_limit("gradient") / 128 == 3
+    assert "between 3 and W - 4 with the gradient step" in TEXT
+
+
+def test_refined_corners_of_photographs_and_how_near_they_are() -> None:
+    corners = near = left = 0
+    nearest = np.inf
+    for image in map(photograph, PHOTOGRAPHS):
+        found = detect(image, profile("robust", suppression=3), Settings(reference="constant"))
+        apart = np.hypot(found.x[:, None] - found.x, found.y[:, None] - found.y)
+        np.fill_diagonal(apart, np.inf)
+        corners += len(found)
+        near += np.count_nonzero(apart.min(axis=1, initial=np.inf) < 4)
+        nearest = min(nearest, apart.min(initial=np.inf))
+        left += len(found.apart(4))
+    assert f"{corners:,} corners of ten photographs" in TEXT
+    assert f"{near} are nearer than 4 pixels to another, two of them {nearest:.2f} pixels" in " ".join(
+        PAGE.split()
+    )
+    assert f"here {left:,}." in TEXT

@@ -1,0 +1,138 @@
+"""The stand-in for timing: what it makes of block RAM, and of the registers behind."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from amaranth.back import rtlil
+from amaranth.hdl import Module as Circuit
+from amaranth.hdl import Signal
+from amaranth.lib import wiring
+from amaranth.lib.memory import Memory
+from amaranth.lib.wiring import In, Out
+
+from flow.cyclone4.netlist import Cell, Module
+from flow.ecp5 import RULES, SCRIPT, relaxed
+from flow.ecp5.output_registers import BLOCK_RAM, FLIP_FLOP, use_output_registers
+from flow.rules import write_rules
+from flow.yowasp import run_yosys
+
+WIDTH, DEPTH = 20, 2000
+
+
+class Row(wiring.Component):
+    """A row of pixels and a register behind it; ``kind`` says what is special, such as why it has to stay outside."""
+
+    def __init__(self, kind: str) -> None:
+        self._kind = kind
+        super().__init__(
+            {
+                "enable": In(1),
+                "clear": In(1),
+                "address": In(range(DEPTH)),
+                "i": In(WIDTH),
+                "o": Out(WIDTH),
+                "at_once": Out(WIDTH),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Circuit:
+        m = Circuit()
+        m.submodules.memory = memory = Memory(shape=WIDTH, depth=DEPTH, init=[])
+        write, read = memory.write_port(), memory.read_port()
+        m.d.comb += [
+            write.addr.eq(self.address),
+            read.addr.eq(self.address),
+            write.data.eq(self.i),
+            write.en.eq(1),
+            read.en.eq(self.enable),
+        ]
+        register = Signal(WIDTH, reset_less=self._kind != "reset")
+        enable = {"no enable": 1, "inverted enable": ~self.clear}.get(self._kind, self.enable)
+        with m.If(enable):
+            m.d["other" if self._kind == "other clock" else "sync"] += register.eq(
+                read.data ^ 1 if self._kind == "logic" else read.data
+            )
+        if self._kind == "enables":
+            with m.If(self.clear):
+                m.d.sync += register[:10].eq(read.data[:10])
+        elif self._kind == "reset":
+            with m.If(self.clear):
+                m.d.sync += register.eq(0)
+        elif self._kind == "read twice":
+            m.d.comb += self.at_once.eq(read.data)
+        elif self._kind == "read by logic, too":
+            m.d.comb += self.at_once.eq(read.data & self.i)
+        elif self._kind == "an enable itself":
+            with m.If(read.data[0]):
+                m.d.sync += self.at_once[0].eq(self.clear)
+        # a bit that nobody else reads is read as an enable only
+        used = register & ~1 if self._kind == "an enable itself" else register
+        m.d.comb += self.o.eq(used)
+        return m
+
+
+def mapped(component: wiring.Component, folder: Path) -> Module:
+    write_rules("ecp5", RULES, folder)
+    (folder / "design.il").write_text(relaxed(rtlil.convert(component, name="row", emit_src=False)))
+    run_yosys(SCRIPT.format(top="row"), folder)
+    return Module(json.loads((folder / "mapped.json").read_text())["modules"]["row"])
+
+
+def blocks(module: Module) -> list[Cell]:
+    return module.of_kind(BLOCK_RAM)
+
+
+def outputs(block: Cell) -> list[int]:
+    """Nets at the reading port's outputs."""
+    bits = [block[f"DOB{k}"] for k in range(18)]
+    return [bit for bit in bits if isinstance(bit, int)]
+
+
+@pytest.mark.parametrize("kind", ["", "no enable"])
+def test_a_register_behind_a_row_moves_into_its_blocks(tmp_path: Path, kind: str) -> None:
+    module = mapped(Row(kind), tmp_path)
+    # a long row takes blocks of 9 bits, none of them with a multiplexer behind
+    assert len(blocks(module)) == 3 and len(module.of_kind(FLIP_FLOP)) == WIDTH
+    results = {cell["Q"] for cell in module.of_kind(FLIP_FLOP)}
+    enables = {"1"} if kind else {cell["CE"] for cell in module.of_kind(FLIP_FLOP)}
+    assert len(enables) == 1 and (kind or isinstance(*enables, int))
+    assert use_output_registers(module) == WIDTH
+    assert not module.of_kind(FLIP_FLOP)
+    driven = [net for block in blocks(module) for net in outputs(block) if module.readers.get(net)]
+    # what the registers drove comes out of the blocks, enabled as the registers were
+    assert sorted(driven) == sorted(net for net in results if isinstance(net, int))
+    for block in blocks(module):
+        assert block.json["parameters"]["REGMODE_B"] == "OUTREG"
+        assert "REGMODE_A" not in block.json["parameters"]
+        assert {block["OCEB"]} == enables
+    # the connections that the module knows are those of its JSON
+    again = Module(module.json)
+    assert again.driver.keys() == module.driver.keys()
+
+
+@pytest.mark.parametrize(
+    ("kind", "kept_blocks"),
+    [
+        ("reset", 3),
+        ("logic", 1),
+        ("enables", 1),
+        ("inverted enable", 3),
+        ("other clock", 3),
+        ("read twice", 3),
+        ("read by logic, too", 3),
+        ("an enable itself", 1),
+    ],
+)
+def test_a_register_stays_where_it_does_something_else(tmp_path: Path, kind: str, kept_blocks: int) -> None:
+    module = mapped(Row(kind), tmp_path)
+    registers = len(module.of_kind(FLIP_FLOP))
+    moved = use_output_registers(module)
+    assert len(module.of_kind(FLIP_FLOP)) == registers - moved
+    # a block holds 9 bits: one may still have only such as can move
+    assert moved < WIDTH
+    kept = [block for block in blocks(module) if "REGMODE_B" not in block.json["parameters"]]
+    assert len(kept) == kept_blocks and all(block["OCEB"] == "1" for block in kept)

@@ -1,0 +1,89 @@
+# amaranth: UnusedElaboratable=no
+"""Sums with a carry: every pair of narrow numbers, ends of wide ones, in one adder; and no multipliers anywhere."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from amaranth.back import rtlil
+from amaranth.hdl import Module, signed
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+from numpy.typing import NDArray
+
+from golden import profile
+from hdl.detector import Detector
+from hdl.parts.arithmetic import add_with_carry
+from sim.engine import EngineName
+from tests.support.blocks import ENGINES, engine, pack, run
+
+Int64 = NDArray[np.int64]
+
+
+class Sum(wiring.Component):
+    """a + b + carry, of signed numbers of these widths."""
+
+    def __init__(self, a_bits: int, b_bits: int) -> None:
+        self.i_shape = data.StructLayout({"a": signed(a_bits), "b": signed(b_bits), "carry": 1})
+        # one bit more than it can need
+        self.o_shape = data.StructLayout({"sum": signed(max(a_bits, b_bits) + 2)})
+        super().__init__({"i": In(stream.Signature(self.i_shape)), "o": Out(stream.Signature(self.o_shape))})
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        given = self.i.payload
+        total = add_with_carry(given.a, given.b, given.carry)
+        assert total.shape() == signed(len(self.o.payload.sum) - 1)
+        m.d.comb += [
+            self.o.valid.eq(self.i.valid),
+            self.i.ready.eq(self.o.ready),
+            self.o.payload.sum.eq(total),
+        ]
+        return m
+
+
+def check(a_bits: int, b_bits: int, a: Int64, b: Int64, name: EngineName = "compiled") -> None:
+    """Every a with every b, without and with carry."""
+    a, b, carry = (grid.reshape(-1) for grid in np.meshgrid(a, b, [0, 1]))
+    block = Sum(a_bits, b_bits)
+    given = pack(block.i_shape, {"a": a, "b": b, "carry": carry})
+    expected = pack(block.o_shape, {"sum": a + b + carry})
+    run(engine(name, Sum, a_bits, b_bits), {"i": given}, {"o": expected})
+
+
+@pytest.mark.parametrize(("a_bits", "b_bits"), [(1, 1), (3, 5), (5, 3), (6, 6)])
+def test_every_pair(a_bits: int, b_bits: int) -> None:
+    a, b = (np.arange(-(1 << (bits - 1)), 1 << (bits - 1)) for bits in (a_bits, b_bits))
+    check(a_bits, b_bits, a, b)
+
+
+@pytest.mark.parametrize(("a_bits", "b_bits"), [(11, 11), (20, 9), (21, 21)])
+def test_wide_ones(a_bits: int, b_bits: int) -> None:
+    """Ends, single bits, and anything."""
+
+    def some(bits: int) -> Int64:
+        top = 1 << (bits - 1)
+        ends = {-top, top - 1, -1, 0, *(1 << k for k in range(bits - 1)), *(-1 << k for k in range(bits - 1))}
+        return np.concatenate([sorted(ends), np.random.default_rng(bits).integers(-top, top, 100)])
+
+    check(a_bits, b_bits, some(a_bits), some(b_bits))
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_by_hand(name: EngineName) -> None:
+    """-16 and 15, and with either carry: no bit is lost at either end."""
+    check(5, 5, np.array([-16, 15]), np.array([-16, 15]), name)
+
+
+def test_it_is_one_adder() -> None:
+    text = rtlil.convert(Sum(11, 11), name="top", emit_src=False)
+    assert text.count("cell $add ") == 1 and "cell $sub" not in text
+
+
+@pytest.mark.parametrize("name", ["paper", "robust"])
+def test_the_detector_has_no_multiplier(name: str) -> None:
+    text = rtlil.convert(Detector(profile(name)), name="top", emit_src=False)
+    assert "cell $add " in text
+    assert "cell $mul " not in text and "cell $div" not in text and "cell $mod" not in text

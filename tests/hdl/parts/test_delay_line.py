@@ -1,0 +1,48 @@
+# amaranth: UnusedElaboratable=no
+"""Delay line, in beats held back: each comes out with its own value, however long the line and whoever waits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hdl.parts.delay_line import DelayLine
+from hdl.parts.stream_delay import StreamDelay
+from sim.engine import EngineName
+from sim.stimulus import Stalls
+from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, run
+
+BITS = 21
+"""More than one memory is wide."""
+
+
+def check(clocks: int, name: EngineName, stalls: Stalls = NO_STALLS) -> None:
+    count = 3000 if name == "compiled" else 150
+    beats = np.random.default_rng(clocks).integers(0, 1 << BITS, count, np.uint64)
+    capture = run(engine(name, StreamDelay, BITS, clocks + 1), {"i": beats}, {"o": beats}, stalls)
+    if stalls == NO_STALLS:
+        # the last register is that of the beats
+        assert_timing(capture, clocks + 1)
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+@pytest.mark.parametrize("clocks", [4, 13])
+def test_stalls(clocks: int, name: EngineName, stalls: Stalls) -> None:
+    check(clocks, name, stalls)
+
+
+@pytest.mark.parametrize("clocks", [0, 1, 2, 3, 5, 6, 7, 10, 34])
+def test_lengths(clocks: int) -> None:
+    """Rings of a power of two places and others, and lines without a ring."""
+    check(clocks, "amaranth", Stalls(inputs=0.3, outputs=0.4, seed=clocks))
+    check(clocks, "amaranth")
+
+
+def test_memory_bits() -> None:
+    """Two of the clocks are the memory's registers."""
+    assert [DelayLine(19, clocks).memory_bits for clocks in (0, 3, 4, 14)] == [0, 0, 2 * 19, 12 * 19]
+
+
+def test_negative_delay() -> None:
+    with pytest.raises(ValueError, match="clocks is -1; allowed: whole numbers from 0"):
+        DelayLine(1, -1)
