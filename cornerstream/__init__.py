@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from golden import Corners, Flag, Parameters, Settings, detect, profile
+    from golden import Corners, Flag, Parameters, Settings, detect
     from golden.version import VERSION as __version__
 
-__all__ = ["Corners", "Flag", "Parameters", "Settings", "__version__", "detect", "profile"]
+__all__ = ["Corners", "Flag", "Parameters", "Settings", "__version__", "detect"]
 
 
 def __getattr__(name: str) -> Any:

@@ -18,6 +18,6 @@ def about(photograph: Photograph, profile: str, parameters: Parameters, settings
         "height": height,
         "remarks": list(photograph.remarks),
         "profile": profile,
-        "parameters": asdict(parameters),
+        "parameters": parameters.as_dict(),
         "settings": asdict(settings),
     }

@@ -63,9 +63,9 @@ def detect(
       cornerstream detect camera12bit.tif --pixel-bits 10 --normalize
       cornerstream detect photo.jpg --json | jq '.corners | length'
     """
-    parameters = parameters_from(options, hardware=False)
+    parameters = parameters_from(options)
     settings = settings_from(options, parameters)
-    aimed = settings.target_corners > 0 and parameters.texture == "mean"
+    aimed = settings.target_corners > 0 and parameters.algorithm.texture == "mean"
     unusual = settings.constant != Settings.default(parameters).constant
     refuse_idle(
         Idle("reference", aimed, "without --target-corners, or with --texture patches"),

@@ -118,7 +118,7 @@ def evaluate(
         _write_files(files)
         console.files_written(list(files))
         return
-    chosen = {name: PROFILES[name] for name in profiles or PROFILES}
+    chosen = {name: Parameters.profile(name) for name in profiles or PROFILES}
     sections = only or _sections(quick=quick, shown=not (as_json or output))
     try:
         with running_tools():

@@ -11,10 +11,10 @@ from cornerstream import console
 from cornerstream.errors import bad_input
 from cornerstream.files import earlier_files, write_folder
 from cornerstream.options import (
+    build_from,
     detector_options,
     name_option,
     output_option,
-    parameters_from,
     pixel_bits_option,
 )
 from cornerstream.tools import running_tools
@@ -46,7 +46,7 @@ def export(output: Path, clock: float, name: str, force: bool, **options: Any) -
       cornerstream export -o q720 --profile robust --width 1280 --height 720 --clock 150
       cd build/quartus && quartus_sh -t compile.tcl
     """
-    parameters = parameters_from(options, hardware=True)
+    parameters = build_from(options)
     old = earlier_files(output, MANIFEST, "export", force=force)
     with console.activity("Generating Verilog"), running_tools(), bad_input():
         files = project_files(parameters, clock_mhz=clock, name=name)

@@ -12,20 +12,21 @@ from cornerstream import console
 from cornerstream.errors import BadInput, bad_input
 from cornerstream.idle import Idle, refuse_idle
 from flow.verilog import MODULE
-from golden import PROFILES, Parameters, Settings, profile
-from golden.checks import check_integer
-from golden.parameters import (
-    MAX_SUPPRESSION,
-    Buffering,
+from golden import PROFILES, Parameters, Settings
+from golden.algorithm import (
+    DEFAULT_PROFILE,
     Derivative,
     Fit,
     Gradient,
     Patches,
-    Reference,
     ResponseFilter,
     Texture,
     Ties,
 )
+from golden.checks import check_integer
+from golden.formats import MAX_SUPPRESSION
+from golden.settings import Reference
+from hdl.build import Buffering, Build
 from hdl.edges import Interface, check_core
 from hdl.identifiers import check_name
 
@@ -38,7 +39,7 @@ _DETECTOR = (
 _EDGES = ("video_out", "autostart")
 _BUDGET = ("max_corners", "target_corners", "reference_rank")
 _THRESHOLDS = ("sigma1", "sigma2", "reference", "constant", "floor", *_BUDGET)
-_PLAIN = Parameters()
+_PLAIN = Parameters.profile("paper")
 _USUAL = Settings()
 
 
@@ -95,7 +96,7 @@ _choices = _together(
     click.option(
         "--profile",
         type=click.Choice(list(PROFILES)),
-        default="paper",
+        default=DEFAULT_PROFILE,
         show_default=True,
         help="Sets the choices below: paper, as the paper prints them, misprints aside; or robust, as "
         "measurements say is better.",
@@ -287,30 +288,45 @@ def output_option(default: str | None, text: str) -> Callable[[Command], Command
     )
 
 
-def parameters_from(options: dict[str, Any], *, hardware: bool) -> Parameters:
-    """The detector that the command line describes; :class:`BadInput` if there is none, or none with such edges."""
-    changes = {field: options[field] for field in (*_DETECTOR, *_EDGES) if options.get(field) is not None}
-    if any(options.get(field) for field in _BUDGET):
-        changes["budget"] = True
-    if hardware and changes.get("fit") == "printed":
+def parameters_from(options: dict[str, Any]) -> Parameters:
+    """The detector that the command line describes, for the golden model; :class:`BadInput` if there is none."""
+    with bad_input():
+        parameters = Parameters.profile(options["profile"], **_changes(options))
+    _refuse_idle_patches(options, parameters)
+    return parameters
+
+
+def build_from(options: dict[str, Any]) -> Build:
+    """The hardware that the command line describes; :class:`BadInput` if there is none, or none with such edges."""
+    changes = _changes(options)
+    if changes.get("fit") == "printed":
         allowed = ", ".join(fit for fit in get_args(Fit) if fit != "printed")
         raise BadInput(f"fit is 'printed', which only the golden model has; allowed in hardware: {allowed}")
     with bad_input():
-        parameters = profile(options["profile"], **changes)
+        build = Build.profile(options["profile"], **changes)
         if "interface" in options:
-            check_core(parameters, options["interface"])
-    usual = PROFILES[options["profile"]]
+            check_core(build, options["interface"])
+    _refuse_idle_patches(options, build)
     bare = options.get("interface") == "stream"
     refuse_idle(
-        Idle(
-            "patches",
-            parameters.texture == "mean" and parameters.patches != usual.patches,
-            "with --texture patches",
-        ),
         Idle("video_out", bare, "with --interface axi"),
         Idle("autostart", bare, "with --interface axi or avalon"),
     )
-    return parameters
+    return build
+
+
+def _changes(options: dict[str, Any]) -> dict[str, Any]:
+    """What the options change of the profile."""
+    changes = {field: options[field] for field in (*_DETECTOR, *_EDGES) if options.get(field) is not None}
+    if any(options.get(field) for field in _BUDGET):
+        changes["budget"] = True
+    return changes
+
+
+def _refuse_idle_patches(options: dict[str, Any], parameters: Parameters) -> None:
+    algorithm, usual = parameters.algorithm, PROFILES[options["profile"]]
+    changed = algorithm.patches != usual.patches
+    refuse_idle(Idle("patches", algorithm.texture == "mean" and changed, "with --texture patches"))
 
 
 def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
@@ -342,7 +358,7 @@ def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
         ),
     )
     used = settings.sigma2_used(parameters)
-    if parameters.texture == "mean" and used != settings.sigma2:
+    if parameters.algorithm.texture == "mean" and used != settings.sigma2:
         console.say(
             f"sigma2 is {settings.sigma2:g}; used: {used:g}, since with texture 'mean' it counts in eighths"
         )

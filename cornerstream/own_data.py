@@ -26,13 +26,13 @@ from evaluation.inputs.sources import (
     video_pairs,
 )
 from golden import Parameters
-from golden.parameters import MAX_SIDE
+from golden.formats import MAX_SIDE
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp")
 LONGEST_PHOTOGRAPH = 1280
 """Photographs of scenes and boards are shrunk to this: from there on they are no sharper, only larger."""
 _HOMOGRAPHY = re.compile(r"H_?(\d+)(?:_to_|_|to)(\d+)p?(?:_\w+)?(?:\.txt)?")
-_ANY_SIZE = Parameters(max_width=MAX_SIDE, max_height=MAX_SIDE)
+_ANY_SIZE = Parameters.profile("paper", max_width=MAX_SIDE, max_height=MAX_SIDE)
 
 
 def _files(folder: Path, what: str) -> list[Path]:

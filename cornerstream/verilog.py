@@ -13,11 +13,11 @@ from cornerstream.errors import bad_input
 from cornerstream.files import prepare_file, write_all
 from cornerstream.options import (
     GIVEN_PATH,
+    build_from,
     detector_options,
     edge_options,
     interface_option,
     name_option,
-    parameters_from,
     pixel_bits_option,
 )
 from cornerstream.tools import running_tools
@@ -43,7 +43,7 @@ def verilog(output: Path | None, interface: Interface, name: str, **options: Any
       cornerstream verilog --interface stream -o bare.v
       cornerstream verilog --profile robust --name corners_b -o corners_b.v
     """
-    parameters = parameters_from({"interface": interface, **options}, hardware=True)
+    parameters = build_from({"interface": interface, **options})
     if output is not None:
         prepare_file(output)
     with console.activity("Generating Verilog"), running_tools(), bad_input():

@@ -5,29 +5,34 @@ from __future__ import annotations
 from typing import Any
 
 from flow.verilog import MODULE
-from golden import PROFILES, Parameters
+from golden.algorithm import DEFAULT_PROFILE, PROFILES
+from hdl.build import Build
 
-_FIELDS = (
-    *("gradient", "derivative", "response_filter", "ties", "fit", "texture", "patches", "suppression"),
-    *("budget", "buffering", "max_width", "max_height", "pixel_bits", "video_out", "autostart"),
-)
-"""Of ``Parameters``, those that have an option of the same name."""
+_NO_OPTION = frozenset({"sqrt_bits_per_stage", "queue_depth"})
+"""Of ``Build``, what no option sets."""
 _USUAL: dict[str, Any] = {"clock": 100.0, "name": MODULE}
 
 
-def command(verb: str, parameters: Parameters, **more: Any) -> str:
+def _options(build: Build) -> dict[str, Any]:
+    """All that options of the same name set."""
+    return {field: value for field, value in build.as_dict().items() if field not in _NO_OPTION}
+
+
+def command(verb: str, parameters: Build, **more: Any) -> str:
     """``cornerstream`` with the fewest options that build the same once more.
 
     ``more`` are further options, which are left out where they are as usual.
     """
 
-    def changes(profile: Parameters) -> dict[str, Any]:
-        pairs = ((field, getattr(parameters, field)) for field in _FIELDS)
-        return {field: value for field, value in pairs if value != getattr(profile, field)}
+    wanted = _options(parameters)
 
-    name, usual = min(PROFILES.items(), key=lambda item: len(changes(item[1])))
-    options: dict[str, Any] = {"profile": name} if usual != Parameters() else {}
-    options |= changes(usual)
+    def changes(profile: str) -> dict[str, Any]:
+        usual = _options(Build.profile(profile))
+        return {option: value for option, value in wanted.items() if value != usual[option]}
+
+    name = min(PROFILES, key=lambda name: len(changes(name)))
+    options: dict[str, Any] = {} if name == DEFAULT_PROFILE else {"profile": name}
+    options |= changes(name)
     options |= {option: value for option, value in more.items() if value != _USUAL.get(option)}
     words = ["cornerstream", verb]
     for option, value in options.items():

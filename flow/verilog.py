@@ -10,8 +10,8 @@ from itertools import count
 from amaranth.back import rtlil
 from amaranth.lib import wiring
 
-from golden import Parameters
 from golden.version import VERSION
+from hdl.build import Build
 from hdl.edges import Interface, make_core
 from hdl.identifiers import check_name, plain_port
 from sim.tools import run
@@ -68,7 +68,7 @@ class VerilogError(RuntimeError):
     """Yosys refused the design; the message is Yosys's."""
 
 
-def emit_verilog(parameters: Parameters, interface: Interface = "stream", name: str = MODULE) -> str:
+def emit_verilog(parameters: Build, interface: Interface = "stream", name: str = MODULE) -> str:
     """Verilog-2001 of one core: top module ``name``, clock ``clk``, synchronous reset ``rst``.
 
     All other modules begin with ``name_``, so that cores of different names can be in one design.
@@ -78,10 +78,10 @@ def emit_verilog(parameters: Parameters, interface: Interface = "stream", name: 
     return core_verilog(make_core(parameters, interface), parameters, name)
 
 
-def core_verilog(core: wiring.Component, parameters: Parameters, name: str = MODULE) -> str:
+def core_verilog(core: wiring.Component, parameters: Build, name: str = MODULE) -> str:
     """As :func:`emit_verilog`, of a core that exists and was built with these parameters."""
     lines = [f"  {field} = {value}" for field, value in parameters.described.items()]
-    return convert(core, name, ["Parameters:", *lines])
+    return convert(core, name, ["Build:", *lines])
 
 
 def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:

@@ -1,10 +1,12 @@
 """The specification of cornerstream in NumPy: one bit-exact function per block of the paper's Fig. 9."""
 
+from golden.algorithm import PROFILES
 from golden.corners import Corners, Flag
 from golden.detector import Detection, FrameResult, StreamModel, check_image, detect, detection
 from golden.float_model import reference_detect
 from golden.output_constructor import FrameEnd, decode, decode_frame_end
-from golden.parameters import PROFILES, Parameters, Settings, profile
+from golden.parameters import Parameters
+from golden.settings import Settings
 
 __all__ = [
     "PROFILES",

@@ -18,7 +18,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.parameters import BUDGET_BITS, Parameters
+from golden.formats import BUDGET_BITS
+from golden.parameters import Parameters
 from golden.preprocessing import IntArray
 
 BINS_PER_OCTAVE = 4

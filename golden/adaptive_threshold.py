@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.parameters import MEAN_WEIGHT_FRACTION_BITS, WINDOW_SIZE
+from golden.formats import MEAN_WEIGHT_FRACTION_BITS, WINDOW_SIZE
 from golden.preprocessing import IntArray
 
 LEVEL_SHIFT = 6

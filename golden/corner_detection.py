@@ -8,7 +8,7 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.parameters import Ties
+from golden.algorithm import Ties
 from golden.preprocessing import IntArray
 
 

@@ -15,12 +15,14 @@ from golden.checks import check_integer, check_type
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
 from golden.corners import ByValue, Corners
+from golden.formats import MARGIN, SUPPORT, WINDOW_SIZE
 from golden.normal_equations import PIXEL_SIZE
 from golden.output_constructor import FrameEnd, Records, decode, encode, encode_frame_end
-from golden.parameters import MARGIN, SUPPORT, WINDOW_SIZE, Parameters, Settings
+from golden.parameters import Parameters
 from golden.preprocessing import Image, IntArray, gradients, products
 from golden.response import response
 from golden.response_filter import response_filter
+from golden.settings import Settings
 from golden.subpixel import subpixel
 from golden.texture_filter import texture_filter
 from golden.thresholds import Thresholds, choose_reference, thresholds
@@ -38,7 +40,7 @@ def pixel_dtype(parameters: Parameters) -> np.dtype[np.unsignedinteger[Any]]:
 def chosen_parameters(parameters: Parameters | None) -> Parameters:
     """The detector that was asked for, by default the profile ``paper``; ``TypeError`` if it is something else."""
     if parameters is None:
-        return Parameters()
+        return Parameters.profile("paper")
     check_type("parameters", parameters, Parameters)
     return parameters
 
@@ -84,8 +86,8 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
     result = np.empty((height - 2 * RESPONSE_MARGIN, width - 2 * RESPONSE_MARGIN), dtype=np.int32)
     for top in range(0, len(result), _STRIP_ROWS):
         strip = image[top : top + _STRIP_ROWS + 2 * RESPONSE_MARGIN]
-        gx, gy = gradients(strip, parameters.derivative)
-        a, b, c = (smooth(product) for product in products(gx, gy, parameters.gradient))
+        gx, gy = gradients(strip, parameters.algorithm.derivative)
+        a, b, c = (smooth(product) for product in products(gx, gy, parameters.algorithm.gradient))
         result[top : top + _STRIP_ROWS] = response(a, b, c)
     return result
 
@@ -95,24 +97,24 @@ def peak_responses(responses: IntArray, parameters: Parameters) -> IntArray:
 
     (height, width) in, (height - 8 + 2·suppression, width - 8 + 2·suppression) out.
     """
-    edge = WINDOW_SIZE // 2 - parameters.suppression
-    if parameters.response_filter == "binomial":
+    edge = WINDOW_SIZE // 2 - parameters.algorithm.suppression
+    if parameters.algorithm.response_filter == "binomial":
         edge -= 1
     height, width = responses.shape
     inside = responses[edge : height - edge, edge : width - edge]
-    return response_filter(inside) if parameters.response_filter == "binomial" else inside
+    return response_filter(inside) if parameters.algorithm.response_filter == "binomial" else inside
 
 
 def largest_response(responses: IntArray, parameters: Parameters) -> int:
     """The largest response of the pixels that can be reported, of which thresholds are fractions."""
-    radius = parameters.suppression
+    radius = parameters.algorithm.suppression
     return int(peak_responses(responses, parameters)[radius:-radius, radius:-radius].max())
 
 
 def corner_map(responses: IntArray, t1: int, parameters: Parameters) -> NDArray[np.bool_]:
     """E of all pixels that can be reported, from all responses: (height, width) in, (height-8, width-8) out."""
     return corner_detection(
-        peak_responses(responses, parameters), t1, parameters.ties, parameters.suppression
+        peak_responses(responses, parameters), t1, parameters.algorithm.ties, parameters.algorithm.suppression
     )
 
 
@@ -129,25 +131,25 @@ def frame_records(
 
     With ``pixels``, only of those whose whole support lies in the frame's first so many pixels, in raster order.
     """
-    radius = parameters.suppression
+    radius = parameters.algorithm.suppression
     peaks = peak_responses(responses, parameters)
-    rows, columns = np.nonzero(corner_detection(peaks, limits.t1, parameters.ties, radius))
+    rows, columns = np.nonzero(corner_detection(peaks, limits.t1, parameters.algorithm.ties, radius))
     if pixels is not None:
         width = responses.shape[1] + 2 * RESPONSE_MARGIN
         decided = (rows + 2 * MARGIN) * width + columns + 2 * MARGIN < pixels
         rows, columns = rows[decided], columns[decided]
     windows = sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
     values = peaks[rows + radius, columns + radius]
-    if parameters.texture == "mean":
+    if parameters.algorithm.texture == "mean":
         accepted, values = adaptive_threshold(values, windows, limits.t1, limits.t2)
     else:
-        accepted = texture_filter(windows, limits.t2, parameters.patches)
+        accepted = texture_filter(windows, limits.t2, parameters.algorithm.patches)
     if not report_rejected:
         rows, columns, values = rows[accepted], columns[accepted], values[accepted]
         accepted = accepted[accepted]
     around = MARGIN - PIXEL_SIZE // 2
     pixel_windows = None
-    if parameters.fit == "gradient":
+    if parameters.algorithm.fit == "gradient":
         pixel_windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[rows + around, columns + around]
     patches = sliding_window_view(peaks, (3, 3))[rows + radius - 1, columns + radius - 1]
     offset = subpixel(patches, parameters, pixel_windows)
@@ -185,7 +187,7 @@ def next_adapted(
     if not settings.wanted_corners:
         return None
     everything = limits._replace(t1=0)
-    all_peaks = parameters.texture == "patches" and settings.by_rank
+    all_peaks = parameters.algorithm.texture == "patches" and settings.by_rank
     records = frame_records(image, responses, everything, parameters, report_rejected=all_peaks)
     counts = histogram(decode(records).response.astype(np.int64), parameters)
     adapted = adapted_threshold(counts, settings.wanted_corners, parameters)

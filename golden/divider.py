@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.parameters import OFFSET_BITS
+from golden.formats import OFFSET_BITS
 
 HALF = 1 << (OFFSET_BITS - 1)
 """One half in units of 1/128: the largest quotient of a surface's peak."""

@@ -17,9 +17,12 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from golden.algorithm import Derivative, Fit, Gradient, Patches, Ties
 from golden.corners import Corners, Flag
 from golden.detector import check_image, chosen_parameters, chosen_settings
-from golden.parameters import MARGIN, Derivative, Fit, Gradient, Parameters, Patches, Settings, Ties
+from golden.formats import MARGIN
+from golden.parameters import Parameters
+from golden.settings import Settings
 
 LEVEL_GAIN = 81 / 64
 """Of the adaptive threshold: what the mean is multiplied by beside sigma2."""
@@ -197,8 +200,8 @@ def reference_detect(
     parameters = chosen_parameters(parameters)
     settings = chosen_settings(settings, parameters)
     image = check_image(image, parameters)
-    responses = response_map(image, parameters.gradient, parameters.derivative)
-    peaks = binomial(responses) if parameters.response_filter == "binomial" else responses
+    responses = response_map(image, parameters.algorithm.gradient, parameters.algorithm.derivative)
+    peaks = binomial(responses) if parameters.algorithm.response_filter == "binomial" else responses
     given = reference is not None
     if reference is None:
         constant = settings.reference == "constant"
@@ -212,17 +215,17 @@ def reference_detect(
 
     def judge(y: int, x: int, t1: float) -> tuple[float, bool]:
         """Response that is reported, and whether the texture filter keeps the corner."""
-        if parameters.texture == "mean":
+        if parameters.algorithm.texture == "mean":
             level = LEVEL_GAIN * local_mean(responses, x, y)
             value = float(peaks[y, x]) - settings.sigma2 * level
             return value, value > t1
-        return float(peaks[y, x]), texturization(responses, x, y, parameters.patches) < t2
+        return float(peaks[y, x]), texturization(responses, x, y, parameters.algorithm.patches) < t2
 
     ranked = settings.by_rank and settings.reference == "previous" and not given
     if settings.target_corners or ranked:
-        everything = corner_map(peaks, 0.0, parameters.ties, parameters.suppression)
+        everything = corner_map(peaks, 0.0, parameters.algorithm.ties, parameters.algorithm.suppression)
         judged = [judge(y, x, 0.0) for y, x in np.argwhere(everything).tolist()]
-        every = parameters.texture == "patches" and ranked
+        every = parameters.algorithm.texture == "patches" and ranked
         values = sorted(value for value, accepted in judged if accepted or every)
         beyond = max([0.0, *values[: -settings.wanted_corners]])
         if settings.target_corners:
@@ -231,18 +234,18 @@ def reference_detect(
             reference = max(beyond, settings.floor)
             t1, t2 = settings.sigma1 * reference, settings.sigma2 * reference
     least = 0.0 if settings.target_corners else t1
-    corners = corner_map(peaks, least, parameters.ties, parameters.suppression)
+    corners = corner_map(peaks, least, parameters.algorithm.ties, parameters.algorithm.suppression)
 
     found: list[tuple[float, float, float, int]] = []
     for y, x in np.argwhere(corners & (peaks > t1)).tolist():
         value, accepted = judge(y, x, t1)
         if not accepted and not settings.report_rejected:
             continue
-        if parameters.fit == "gradient":
+        if parameters.algorithm.fit == "gradient":
             dx, dy, flag = gradient_step(image[y - 4 : y + 5, x - 4 : x + 5])
         else:
-            coefficients = surface(peaks[y - 1 : y + 2, x - 1 : x + 2], parameters.fit)
-            dx, dy, flag = peak(coefficients, printed=parameters.fit == "printed")
+            coefficients = surface(peaks[y - 1 : y + 2, x - 1 : x + 2], parameters.algorithm.fit)
+            dx, dy, flag = peak(coefficients, printed=parameters.algorithm.fit == "printed")
         found.append((x + dx, y + dy, max(value, 0), flag | (Flag(0) if accepted else Flag.TEXTURED)))
     ends = [end for end, (*_, flag) in enumerate(found, 1) if not flag & Flag.TEXTURED]
     if 0 < settings.max_corners <= len(ends):

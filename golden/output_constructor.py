@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 
 from golden.checks import check_integer, is_whole
 from golden.corners import Corners, Flag
-from golden.parameters import COORDINATE_BITS, OFFSET_BITS
+from golden.formats import COORDINATE_BITS, OFFSET_BITS
 from golden.preprocessing import IntArray
 from golden.subpixel import Offset
 

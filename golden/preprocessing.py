@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.parameters import Derivative, Gradient
+from golden.algorithm import Derivative, Gradient
 
 Image = NDArray[np.unsignedinteger[Any]]
 """(height, width) or windows (..., height, width), unsigned pixels."""

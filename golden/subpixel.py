@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden import normal_equations
+from golden.algorithm import Fit
 from golden.derivatives import Derivatives
 from golden.divider import HALF, divide, reaches
-from golden.parameters import OFFSET_BITS, Fit, Parameters
+from golden.formats import OFFSET_BITS
+from golden.parameters import Parameters
 from golden.preprocessing import Image, IntArray
 
 Int64 = NDArray[np.int64]
@@ -114,11 +116,11 @@ def mantissa_bits(fit: Fit) -> int:
 
 def derivative_bits(parameters: Parameters) -> int:
     """Width of the largest derivative that the fit can give, without its sign."""
-    if parameters.fit == "gradient":
+    if parameters.algorithm.fit == "gradient":
         return normal_equations.largest(parameters).bit_length()
     # each is a weighted sum of the samples: it is largest where only those with weights of one sign are not zero
     units = np.eye(9, dtype=np.int64).reshape(9, 3, 3)
-    weights = np.stack(derivatives(FITS[parameters.fit](units)))
+    weights = np.stack(derivatives(FITS[parameters.algorithm.fit](units)))
     largest = np.maximum(np.maximum(weights, 0).sum(-1), np.maximum(-weights, 0).sum(-1)).max()
     return (int(largest) * parameters.response_max).bit_length()
 
@@ -184,16 +186,16 @@ def subpixel(patches: IntArray, parameters: Parameters, pixels: Image | None = N
 
     ``pixels``, (..., 9, 9) around the same places, are what ``fit="gradient"`` goes by, and only that.
     """
-    if parameters.fit == "gradient":
+    if parameters.algorithm.fit == "gradient":
         if pixels is None:
             raise ValueError('fit is "gradient", which needs pixels; allowed: (..., 9, 9) around each corner')
         values = normal_equations.normal_equations(pixels)
     else:
-        values = derivatives(FITS[parameters.fit](patches))
+        values = derivatives(FITS[parameters.algorithm.fit](patches))
     return peak(
         values,
         derivative_bits(parameters),
-        printed=parameters.fit == "printed",
-        limit=offset_limit(parameters.fit),
-        kept=mantissa_bits(parameters.fit),
+        printed=parameters.algorithm.fit == "printed",
+        limit=offset_limit(parameters.algorithm.fit),
+        kept=mantissa_bits(parameters.algorithm.fit),
     )

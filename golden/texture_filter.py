@@ -7,7 +7,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.parameters import WINDOW_SIZE, Patches
+from golden.algorithm import Patches
+from golden.formats import WINDOW_SIZE
 from golden.preprocessing import IntArray
 
 _CENTRE = WINDOW_SIZE // 2

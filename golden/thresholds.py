@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from golden.parameters import SIGMA_BITS, Parameters, Settings
+from golden.formats import SIGMA_BITS
+from golden.parameters import Parameters
+from golden.settings import Settings
 
 
 class Thresholds(NamedTuple):
@@ -38,7 +40,7 @@ def thresholds(
     """
     t1 = (settings.sigma1_fixed * reference) >> SIGMA_BITS
     t2 = (settings.sigma2_fixed * reference * parameters.pixels_per_region) >> SIGMA_BITS
-    if parameters.texture == "mean":
+    if parameters.algorithm.texture == "mean":
         t2 = settings.mean_weight
     if settings.target_corners and adapted is not None:
         t1 = max((settings.sigma1_fixed * settings.floor) >> SIGMA_BITS, adapted)

@@ -37,9 +37,11 @@ from golden.detector import (
     response_map,
     within_budget,
 )
+from golden.formats import SUPPORT
 from golden.output_constructor import COUNT_BITS, FrameEnd, Records, encode_frame_end
-from golden.parameters import SUPPORT, Parameters, Settings
+from golden.parameters import Parameters
 from golden.preprocessing import Image
+from golden.settings import Settings
 from golden.thresholds import Thresholds, choose_reference, thresholds
 
 NO_LIMIT = (1 << COUNT_BITS) - 1

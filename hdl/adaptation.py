@@ -10,7 +10,8 @@ from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 from golden.adaptation import STEPS, bins, octaves
-from golden.parameters import BUDGET_BITS, SMOOTHING_BITS, Parameters
+from golden.formats import BUDGET_BITS, SMOOTHING_BITS
+from golden.parameters import Parameters
 
 SMOOTHING_CLOCKS = 2
 EVENT_CLOCKS = 5

@@ -9,7 +9,8 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.adaptive_threshold import LEVEL_SHIFT
-from golden.parameters import MEAN_WEIGHT_FRACTION_BITS, WINDOW_SIZE, Parameters
+from golden.formats import MEAN_WEIGHT_FRACTION_BITS, WINDOW_SIZE
+from golden.parameters import Parameters
 from hdl.parts.outgoing_column import outgoing_column
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.response_filter import filtered_rows
@@ -47,7 +48,7 @@ class AdaptiveThreshold(wiring.Component):
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
         response = unsigned(parameters.response_bits)
-        self._rows = filtered_rows(parameters) if parameters.response_filter == "binomial" else 3
+        self._rows = filtered_rows(parameters) if parameters.algorithm.response_filter == "binomial" else 3
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(response, WINDOW_SIZE))),

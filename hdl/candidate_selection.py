@@ -8,8 +8,10 @@ from amaranth.hdl import C, Module, Mux, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from golden.formats import BUDGET_BITS, COORDINATE_BITS, MARGIN, OFFSET_BITS
 from golden.output_constructor import COUNT_BITS
-from golden.parameters import BUDGET_BITS, COORDINATE_BITS, MARGIN, OFFSET_BITS, Parameters
+from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.corner_detection import corner_layout
 from hdl.derivatives import derivatives_layout
 from hdl.parts.queue import Queue
@@ -86,7 +88,7 @@ class CandidateSelection(wiring.Component):
 
     latency = Queue.latency
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._parameters = parameters
         texture = texture_layout(parameters)
         surface = derivatives_layout(parameters)
@@ -134,7 +136,7 @@ class CandidateSelection(wiring.Component):
         m.d.sync += ending.eq(self.last)
 
         picked, wanted, place = Signal(), step & corner.corner & texture.keep, (x, y)
-        response = texture.response if p.texture == "mean" else corner.response
+        response = texture.response if p.algorithm.texture == "mean" else corner.response
         if allowed is not None and place_of_end is not None:
             wanted &= allowed
             place = tuple(Mux(ending, *choice) for choice in zip(place_of_end, place, strict=True))

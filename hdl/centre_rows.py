@@ -8,7 +8,8 @@ from amaranth.hdl import Cat, Module, unsigned
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import WINDOW_SIZE, Parameters
+from golden.formats import WINDOW_SIZE
+from golden.parameters import Parameters
 from hdl.parts.delay_line import DelayLine
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 

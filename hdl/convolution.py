@@ -11,7 +11,8 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.convolution import SHIFT
-from golden.parameters import SMOOTHING_SIZE, Parameters
+from golden.formats import SMOOTHING_SIZE
+from golden.parameters import Parameters
 from hdl.parts.square_table import SquareTable
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.preprocessing import sizes_layout
@@ -23,7 +24,7 @@ LATE_ROWS = (1, 2, 3)
 def products_layout(parameters: Parameters) -> data.StructLayout:
     """A, B and C after smoothing; C has a sign only where gradients have one."""
     bits = parameters.product_bits
-    c = signed(bits + 1) if parameters.gradient == "signed" else unsigned(bits)
+    c = signed(bits + 1) if parameters.algorithm.gradient == "signed" else unsigned(bits)
     return data.StructLayout({"a": unsigned(bits), "b": unsigned(bits), "c": c})
 
 
@@ -97,7 +98,7 @@ class Convolution(wiring.Component):
     """
 
     def __init__(self, parameters: Parameters) -> None:
-        self._signed = parameters.gradient == "signed"
+        self._signed = parameters.algorithm.gradient == "signed"
         self._bits = parameters.product_bits
         bits = parameters.pixel_bits
         self._gradient_tables = [SquareTable(bits) for _ in range(SMOOTHING_SIZE)]

@@ -53,10 +53,10 @@ class Maxima(wiring.Component):
     # with ties="first". Half a unit more for the centre and for those before says both with one comparison.
 
     def _ahead(self, value: Value) -> Value:
-        return value if self._parameters.ties == "strict" else Cat(C(1, 1), value)
+        return value if self._parameters.algorithm.ties == "strict" else Cat(C(1, 1), value)
 
     def _behind(self, value: Value) -> Value:
-        return value if self._parameters.ties == "strict" else Cat(C(0, 1), value)
+        return value if self._parameters.algorithm.ties == "strict" else Cat(C(0, 1), value)
 
 
 class CornerDetection(Maxima):

@@ -8,8 +8,9 @@ from amaranth.hdl import signed
 from amaranth.lib import data
 
 from golden import normal_equations
+from golden.algorithm import Fit
 from golden.derivatives import Derivatives
-from golden.parameters import Fit, Parameters
+from golden.parameters import Parameters
 
 
 class Format(NamedTuple):
@@ -32,10 +33,10 @@ FORMATS: dict[Fit, Derivatives[Format]] = {
 
 def derivatives_layout(parameters: Parameters) -> data.StructLayout:
     """``golden.derivatives.Derivatives``, each signed and without the low bits that are always zero."""
-    if parameters.fit not in FORMATS:
-        raise ValueError(f"fit is {parameters.fit!r}; allowed in hardware: {', '.join(FORMATS)}")
-    unit = parameters.product_max if parameters.fit == "gradient" else parameters.response_max
-    formats = FORMATS[parameters.fit]._asdict()
+    if parameters.algorithm.fit not in FORMATS:
+        raise ValueError(f"fit is {parameters.algorithm.fit!r}; allowed in hardware: {', '.join(FORMATS)}")
+    unit = parameters.product_max if parameters.algorithm.fit == "gradient" else parameters.response_max
+    formats = FORMATS[parameters.algorithm.fit]._asdict()
     return data.StructLayout(
         {name: signed((form.largest * unit).bit_length() + 1) for name, form in formats.items()}
     )

@@ -10,9 +10,10 @@ from amaranth.hdl import Module, unsigned
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from golden.formats import WINDOW_SIZE
 from golden.output_constructor import COUNT_BITS
-from golden.parameters import WINDOW_SIZE, Parameters
 from hdl.adaptation import Adaptation, adapted_layout
+from hdl.build import Build
 from hdl.candidate_selection import CandidateSelection, mark_layout
 from hdl.centre_pixels import CentrePixels
 from hdl.convolution import Convolution
@@ -27,7 +28,7 @@ from hdl.thresholds import Thresholds, settings_layout
 from hdl.window_stage import WindowStage, waiting_layout
 
 
-def budget_members(parameters: Parameters) -> dict[str, Any]:
+def budget_members(parameters: Build) -> dict[str, Any]:
     """Of ``Detector``, with ``budget``."""
     return {
         "found": Out(COUNT_BITS),
@@ -86,11 +87,11 @@ class Detector(wiring.Component):
         With ``budget`` only: what ``adapted`` was before a reset, if the next frame is to follow it; steady.
     """
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._parameters = p = parameters
         pixel, response = unsigned(p.pixel_bits), unsigned(p.response_bits)
 
-        self._by_gradients = p.fit == "gradient"
+        self._by_gradients = p.algorithm.fit == "gradient"
         waiting = waiting_layout(p, response, pixel)
 
         def buffer(shape: Any, rows: int, registers: int) -> CircularBuffer:
@@ -234,7 +235,7 @@ class Detector(wiring.Component):
         corners, limits = self._candidates.corners, self._thresholds.thresholds
         texture = self._candidates.textures.payload.data
         step = corners.valid & corners.ready
-        if self._parameters.texture == "mean":
+        if self._parameters.algorithm.texture == "mean":
             # of T, which is what counts; whether it is above T1 does not
             response, counted = texture.response, texture.response.any()
         else:

@@ -8,7 +8,8 @@ from amaranth.hdl import Module, Mux, Signal, Value, unsigned
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import SUPPORT, Parameters
+from golden.formats import SUPPORT
+from golden.parameters import Parameters
 from hdl.parts.stream import Beat
 from hdl.thresholds import settings_layout
 

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from amaranth.hdl import Module, unsigned
@@ -32,7 +31,7 @@ class GradientStep(wiring.Component):
 
     def __init__(self, parameters: Parameters) -> None:
         # always plain differences with signs, whatever the responses are made of
-        plain = replace(parameters, gradient="signed", derivative="central")
+        plain = parameters.changed(gradient="signed", derivative="central")
         self._gradients = Preprocessing(plain, PIXEL_SIZE)
         self._equations = NormalEquations(parameters)
         self.latency = self._gradients.latency + self._equations.latency

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from amaranth.hdl import Cat, Module, Signal, Value, signed
@@ -26,7 +25,7 @@ COLUMN_LATENCY = SquareTable.latency + 4
 
 def signed_sizes(parameters: Parameters) -> data.StructLayout:
     """Sizes of gradients and of their difference, as preprocessing delivers them where gradients have signs."""
-    return sizes_layout(replace(parameters, gradient="signed"))
+    return sizes_layout(parameters.changed(gradient="signed"))
 
 
 class _Column(NamedTuple):

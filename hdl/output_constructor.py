@@ -8,8 +8,9 @@ from amaranth.hdl import C, Cat, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from golden.formats import COORDINATE_BITS, OFFSET_BITS
 from golden.output_constructor import COUNT_BITS, END_OF_FRAME, FRAME_BITS, RECORD_BITS, RESPONSE_FIELD_BITS
-from golden.parameters import COORDINATE_BITS, OFFSET_BITS, Parameters
+from golden.parameters import Parameters
 from hdl.candidate_selection import note_layout
 from hdl.subpixel import offset_layout
 
@@ -27,7 +28,7 @@ class OutputConstructor(wiring.Component):
     note
         Stream of ``note_layout(parameters)``.
     offset
-        Stream of ``offset_layout(parameters.fit)``, one for each note but an end.
+        Stream of ``offset_layout(parameters.algorithm.fit)``, one for each note but an end.
     o
         Stream of ``record_layout()``.
     found
@@ -41,7 +42,7 @@ class OutputConstructor(wiring.Component):
         super().__init__(
             {
                 "note": In(stream.Signature(note_layout(parameters))),
-                "offset": In(stream.Signature(offset_layout(parameters.fit))),
+                "offset": In(stream.Signature(offset_layout(parameters.algorithm.fit))),
                 "o": Out(stream.Signature(record_layout())),
                 **({"found": Out(COUNT_BITS)} if parameters.budget else {}),
             }

@@ -8,7 +8,8 @@ from amaranth.hdl import C, Module, Signal, Value, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import SMOOTHING_SIZE, Parameters
+from golden.formats import SMOOTHING_SIZE
+from golden.parameters import Parameters
 from hdl.parts.arithmetic import add_with_carry, magnitude
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 
@@ -22,7 +23,7 @@ def sizes_layout(parameters: Parameters) -> data.StructLayout:
     The difference of signed gradients has one bit more than a gradient.
     """
     bits = parameters.pixel_bits
-    difference = bits + 1 if parameters.gradient == "signed" else bits
+    difference = bits + 1 if parameters.algorithm.gradient == "signed" else bits
     return data.StructLayout({"gx": bits, "gy": bits, "difference": difference})
 
 
@@ -57,8 +58,8 @@ class Preprocessing(wiring.Component):
     """
 
     def __init__(self, parameters: Parameters, rows: int = PIXEL_ROWS) -> None:
-        self._signed = parameters.gradient == "signed"
-        self._sobel = parameters.derivative == "sobel"
+        self._signed = parameters.algorithm.gradient == "signed"
+        self._sobel = parameters.algorithm.derivative == "sobel"
         self._rows = rows
         pixel = unsigned(parameters.pixel_bits)
         super().__init__(

@@ -10,7 +10,7 @@ from amaranth.hdl import Cat, Module, Mux, Value, unsigned
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.convolution import products_layout
 from hdl.parts.arithmetic import magnitude
 from hdl.parts.delay_line import DelayLine
@@ -41,7 +41,7 @@ class Response(wiring.Component):
         Stream of ``Beat(unsigned(response_bits))``.
     """
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._half = parameters.pixel_bits
         self._bits = parameters.root_bits
         self._response = unsigned(parameters.response_bits)

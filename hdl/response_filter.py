@@ -8,13 +8,14 @@ from amaranth.hdl import C, Cat, Module, Value, unsigned
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import WINDOW_SIZE, Parameters
+from golden.formats import WINDOW_SIZE
+from golden.parameters import Parameters
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 
 
 def filtered_rows(parameters: Parameters) -> int:
     """Rows of S that are needed: those of the neighbourhood in which a corner is the largest."""
-    return 2 * parameters.suppression + 1
+    return 2 * parameters.algorithm.suppression + 1
 
 
 class ResponseFilter(wiring.Component):

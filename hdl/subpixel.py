@@ -10,9 +10,10 @@ from amaranth.hdl import Cat, Module, Mux, Signal, Value, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from golden.algorithm import Fit
 from golden.derivatives import Derivatives
 from golden.divider import quotient_bits
-from golden.parameters import Fit, Parameters
+from golden.parameters import Parameters
 from golden.subpixel import derivative_bits, mantissa_bits, offset_limit
 from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.divider import Divider
@@ -44,23 +45,23 @@ class Subpixel(wiring.Component):
     i
         Stream of ``derivatives_layout(parameters)``.
     o
-        Stream of ``offset_layout(parameters.fit)``.
+        Stream of ``offset_layout(parameters.algorithm.fit)``.
     """
 
     def __init__(self, parameters: Parameters, kept: int | None = None) -> None:
         layout = derivatives_layout(parameters)
-        self._fit = parameters.fit
-        self._formats = FORMATS[parameters.fit]
-        self._mantissa_bits = mantissa_bits(parameters.fit) if kept is None else kept
+        self._fit = parameters.algorithm.fit
+        self._formats = FORMATS[parameters.algorithm.fit]
+        self._mantissa_bits = mantissa_bits(parameters.algorithm.fit) if kept is None else kept
         self._shifts = max(derivative_bits(parameters) - self._mantissa_bits, 0)
         # sums of two products, each below 2**(2·mantissa bits)
         self._sum_bits = 2 * self._mantissa_bits + 1
-        self._quotient_bits = quotient_bits(offset_limit(parameters.fit))
+        self._quotient_bits = quotient_bits(offset_limit(parameters.algorithm.fit))
         self._dividers = {axis: Divider(self._sum_bits, self._quotient_bits) for axis in "xy"}
         super().__init__(
             {
                 "i": In(stream.Signature(layout)),
-                "o": Out(stream.Signature(offset_layout(parameters.fit))),
+                "o": Out(stream.Signature(offset_layout(parameters.algorithm.fit))),
             }
         )
 

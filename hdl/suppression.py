@@ -6,7 +6,8 @@ from typing import Any
 
 from amaranth.hdl import Cat, Module, Value
 
-from golden.parameters import WINDOW_SIZE, Parameters
+from golden.formats import WINDOW_SIZE
+from golden.parameters import Parameters
 from hdl.corner_detection import Maxima, larger
 from hdl.parts.stream import Pipeline, WindowCounter
 from hdl.response_filter import filtered_rows
@@ -36,13 +37,13 @@ class Suppression(Maxima):
     """
 
     def __init__(self, parameters: Parameters) -> None:
-        filtered = parameters.response_filter == "binomial"
+        filtered = parameters.algorithm.response_filter == "binomial"
         self._size = filtered_rows(parameters) if filtered else WINDOW_SIZE
-        self.latency = (2 * parameters.suppression - 1).bit_length() + 2 if filtered else 5
+        self.latency = (2 * parameters.algorithm.suppression - 1).bit_length() + 2 if filtered else 5
         super().__init__(parameters, self._size)
 
     def elaborate(self, platform: Any) -> Module:
-        m, r = Module(), self._parameters.suppression
+        m, r = Module(), self._parameters.algorithm.suppression
         pipe = Pipeline(m, self.i, self.o, permit=self.t1.valid)
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, self._size, step=step, eol=self.i.payload.eol)
@@ -68,11 +69,11 @@ class Suppression(Maxima):
             beat = pipe.register(beat, f"beat_{spent}", reset=True)
         # to those that come after, this column is one before; and the other way round
         before, after = larger(ends[0], self._ahead(middle)), larger(ends[0], self._behind(middle))
-        if self._parameters.ties == "strict":
+        if self._parameters.algorithm.ties == "strict":
             after = before
         peak = self._ahead(middle) > ends[0]
         before, peak, middle, above = wait(before, peak, middle, above)
-        after = before if self._parameters.ties == "strict" else pipe.register(after, "after")
+        after = before if self._parameters.algorithm.ties == "strict" else pipe.register(after, "after")
         beat = pipe.register(beat, f"beat_{spent}", reset=True)
 
         def kept(value: Value, name: str) -> Value:

@@ -30,7 +30,7 @@ class SurfaceFit(wiring.Component):
     latency = 3
 
     def __init__(self, parameters: Parameters) -> None:
-        self._fit = parameters.fit
+        self._fit = parameters.algorithm.fit
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(unsigned(parameters.response_bits), 3))),

@@ -9,14 +9,15 @@ from amaranth.hdl import C, Module, Mux, Shape, Value, ValueLike, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import WINDOW_SIZE, Parameters
+from golden.formats import WINDOW_SIZE
+from golden.parameters import Parameters
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.thresholds import thresholds_layout
 
 
 def texture_layout(parameters: Parameters) -> data.StructLayout:
     """Is a window's centre textured; is it reported nevertheless or not; with ``texture="mean"``: its response."""
-    response = {"response": parameters.response_bits} if parameters.texture == "mean" else {}
+    response = {"response": parameters.response_bits} if parameters.algorithm.texture == "mean" else {}
     return data.StructLayout({"textured": 1, "keep": 1, **response})
 
 
@@ -112,7 +113,7 @@ class TextureFilter(wiring.Component):
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
-        self._regions = parameters.patches == "regions"
+        self._regions = parameters.algorithm.patches == "regions"
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(unsigned(parameters.response_bits), WINDOW_SIZE))),

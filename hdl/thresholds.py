@@ -8,15 +8,15 @@ from amaranth.hdl import Cat, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import (
+from golden.formats import (
     BUDGET_BITS,
     BUDGET_SETTINGS,
     MEAN_WEIGHT_BITS,
     MEAN_WEIGHT_FRACTION_BITS,
     SIGMA2_INTEGER_BITS,
     SIGMA_BITS,
-    Parameters,
 )
+from golden.parameters import Parameters
 from hdl.adaptation import adapted_layout, aim_layout
 from hdl.parts.stream import Beat
 
@@ -44,7 +44,7 @@ def thresholds_layout(parameters: Parameters) -> data.StructLayout:
     return data.StructLayout(
         {
             "t1": parameters.response_bits,
-            "t2": MEAN_WEIGHT_BITS if parameters.texture == "mean" else t2_bits,
+            "t2": MEAN_WEIGHT_BITS if parameters.algorithm.texture == "mean" else t2_bits,
             "report_rejected": 1,
             **({"max_corners": BUDGET_BITS, "aim": aim_layout()} if parameters.budget else {}),
         }
@@ -148,7 +148,7 @@ class Thresholds(wiring.Component):
         if self._parameters.budget:
             factor1, result1, delivered = self._budget(m, referred, reference, result1, delivered)
         products = [(product1, factor1), (product2, scaled)]
-        if self._parameters.texture == "mean":
+        if self._parameters.algorithm.texture == "mean":
             products = products[:1]
         m.d.sync += [chosen.eq(start), referred.eq(chosen)]
         m.d.comb += self.settings.ready.eq(referred)
@@ -183,7 +183,7 @@ class Thresholds(wiring.Component):
                 m.d.sync += [multiplying.eq(0), *delivered]
         m.d.comb += [
             t1.eq(result1),
-            t2.eq(weight if self._parameters.texture == "mean" else product2[SIGMA_BITS:]),
+            t2.eq(weight if self._parameters.algorithm.texture == "mean" else product2[SIGMA_BITS:]),
             self.thresholds.payload.report_rejected.eq(report_rejected),
         ]
 

@@ -9,7 +9,8 @@ from typing import Any
 from amaranth.hdl import Cat, Module
 from amaranth.lib import data, wiring
 
-from golden.parameters import WINDOW_SIZE, Parameters
+from golden.formats import WINDOW_SIZE
+from golden.parameters import Parameters
 from hdl.adaptive_threshold import AdaptiveThreshold
 from hdl.candidate_selection import CandidateSelection
 from hdl.centre_rows import CentreRows
@@ -43,14 +44,14 @@ class WindowStage:
 
     def __init__(self, parameters: Parameters) -> None:
         p = parameters
-        self._by_gradients = p.fit == "gradient"
-        wide = p.suppression > 1 or p.budget
-        self._by_columns = wide and p.response_filter == "none"
+        self._by_gradients = p.algorithm.fit == "gradient"
+        wide = p.algorithm.suppression > 1 or p.budget
+        self._by_columns = wide and p.algorithm.response_filter == "none"
         self.texture_filter: TextureFilter | AdaptiveThreshold = (
-            AdaptiveThreshold(p) if p.texture == "mean" else TextureFilter(p)
+            AdaptiveThreshold(p) if p.algorithm.texture == "mean" else TextureFilter(p)
         )
         self.centre_rows: CentreRows | ResponseFilter = (
-            ResponseFilter(p) if p.response_filter == "binomial" else CentreRows(p)
+            ResponseFilter(p) if p.algorithm.response_filter == "binomial" else CentreRows(p)
         )
         self.corner_detection: CornerDetection | Suppression = Suppression(p) if wide else CornerDetection(p)
         self.equations: SurfaceFit | GradientStep = GradientStep(p) if self._by_gradients else SurfaceFit(p)
@@ -157,6 +158,6 @@ class WindowStage:
 
 def waiting_layout(parameters: Parameters, response: Any, pixel: Any) -> Any:
     """What the response buffer holds of each place."""
-    if parameters.fit != "gradient":
+    if parameters.algorithm.fit != "gradient":
         return response
     return data.StructLayout({"response": response, "pixel": pixel})

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from golden import Parameters, Settings, check_image, decode, decode_frame_end
+from golden import Settings, check_image, decode, decode_frame_end
 from golden.output_constructor import END_OF_FRAME, FLAG_SHIFT, Flag
+from hdl.build import Build
 from sim.engine import VCD_CLOCKS, Engine, Progress
 from sim.stimulus import Capture, Clocks, Stalls, Stimulus, Words
 
@@ -102,12 +103,12 @@ def describe_record(word: int | None) -> str:
     return f"({corners.x[0]:.4f}, {corners.y[0]:.4f}) D={corners.response[0]}{names}"
 
 
-def _levels(frame: Frame, parameters: Parameters) -> dict[str, int]:
+def _levels(frame: Frame, parameters: Build) -> dict[str, int]:
     image, settings = frame
     return {"width": image.shape[1], "height": image.shape[0], **settings.fixed(parameters)}
 
 
-def frame_stimulus(frames: Sequence[Frame], parameters: Parameters, stalls: Stalls) -> Stimulus:
+def frame_stimulus(frames: Sequence[Frame], parameters: Build, stalls: Stalls) -> Stimulus:
     """Pixels of all frames back to back; each frame's settings arrive with its first pixel.
 
     Raises
@@ -152,7 +153,7 @@ def split_frames(capture: Capture, sizes: Sequence[int]) -> SimulationResult:
 def simulate_frames(
     engine: Engine,
     frames: Sequence[Frame],
-    parameters: Parameters,
+    parameters: Build,
     *,
     stalls: Stalls | None = None,
     progress: Progress | None = None,

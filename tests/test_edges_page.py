@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from amaranth.hdl import Shape
 
-from golden import Parameters, profile
 from golden.video import Event
+from hdl.build import Build
 from hdl.edges import Interface, make_core
 from hdl.edges.video_detector import VideoDetector
 
@@ -44,7 +44,7 @@ def test_every_malformation_has_a_test_and_its_own_bit() -> None:
 
 @pytest.mark.parametrize("buffering", ["lean", "banked"])
 def test_latency(buffering: str) -> None:
-    detector = VideoDetector(profile("paper", buffering=buffering))
+    detector = VideoDetector(Build.profile("paper", buffering=buffering))
     found = re.search(r"\*\*(\d+)\*\* clocks later with `lean` buffers and \*\*(\d+) \+ 2·width\*\*", PAGE)
     assert found
     lean, banked = (int(number) for number in found.groups())
@@ -57,7 +57,7 @@ def test_latency(buffering: str) -> None:
 @pytest.mark.parametrize(("interface", "title"), [("axi", "AXI"), ("avalon", "Avalon")])
 def test_ports(interface: Interface, title: str) -> None:
     """Every port of the core is in the table, with its width, and no other."""
-    core = make_core(Parameters(video_out=interface == "axi"), interface)
+    core = make_core(Build.profile("paper", video_out=interface == "axi"), interface)
     ports = {str(name): Shape.cast(member.shape).width for name, member in core.signature.members.items()}
     told: dict[str, int] = {}
     for names, bits, *_ in table(title):
@@ -72,6 +72,6 @@ def test_ports(interface: Interface, title: str) -> None:
 
 
 def test_the_readme_names_the_axi_ports() -> None:
-    ports = make_core(Parameters(video_out=True), "axi").signature.members
+    ports = make_core(Build.profile("paper", video_out=True), "axi").signature.members
     for name in ports:
         assert any(str(name).startswith(told) for told in re.findall(r"`([a-z_]+?)\*?`", README)), name

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from cornerstream.cli import main
 from evaluation.comparison.page import FIGURES_NAME
-from golden import Settings, detect, profile
+from golden import Settings, detect
 from golden.detector import corner_map, peak_responses, response_map
 from golden.subpixel import derivatives, fit_nine
+from hdl.build import Build
 from hdl.detector import Detector
 from hdl.identifiers import plain_port
 from hdl.parts.circular_buffer import CircularBuffer
@@ -40,7 +41,7 @@ def rows(first_cell: str) -> list[str]:
 
 @pytest.mark.parametrize(("buffering", "column"), [("banked", -2), ("lean", -1)])
 def test_latency_table(buffering: str, column: int) -> None:
-    detector = Detector(profile("paper", buffering=buffering))
+    detector = Detector(Build.profile("paper", buffering=buffering))
     for name, block in detector.blocks.items():
         assert rows(name)[column] == str(block.latency)
     total = rows("**end of frame**")[column]
@@ -52,7 +53,7 @@ def test_latency_table(buffering: str, column: int) -> None:
 
 def test_memory_bits() -> None:
     def bits(buffering: str) -> int:
-        blocks = Detector(profile("paper", buffering=buffering)).blocks.values()
+        blocks = Detector(Build.profile("paper", buffering=buffering)).blocks.values()
         return sum(block.memory_bits for block in blocks if isinstance(block, CircularBuffer))
 
     lean, banked = bits("lean"), bits("banked")
@@ -61,9 +62,11 @@ def test_memory_bits() -> None:
 
 
 def test_port_table() -> None:
-    detector = Detector(profile("paper"))
+    detector = Detector(Build.profile("paper"))
     widths = {name: len(Value.cast(getattr(detector, name))) for name in ("width", "height")}
-    widths |= {str(name): Shape.cast(field.shape).width for name, field in settings_layout(profile("paper"))}
+    widths |= {
+        str(name): Shape.cast(field.shape).width for name, field in settings_layout(Build.profile("paper"))
+    }
     told = {}
     text = (DOCS / "edges.md").read_text(encoding="utf-8")
     for line in re.findall(r"^\| (`.*` \| \d+) \|", text, re.MULTILINE):
@@ -93,10 +96,10 @@ def test_synthesis_figures(buffering: str) -> None:
 
 
 def test_refinement() -> None:
-    subpixel = Subpixel(profile("paper"))
+    subpixel = Subpixel(Build.profile("paper"))
     assert f"one at a time, {subpixel.interval} clocks each" in README
     assert f"leaves it {subpixel.latency} clocks later" in README
-    assert f"{profile('paper').queue_depth} can wait" in README
+    assert f"{Build.profile('paper').queue_depth} can wait" in README
 
 
 def test_no_photograph_is_denser_than_stated() -> None:
@@ -121,7 +124,7 @@ def bright_square(degrees: float) -> NDArray[np.uint8]:
 @pytest.mark.parametrize("name", ["paper", "robust"])
 def test_responses_of_a_turned_square(name: str) -> None:
     angles = [int(cell.strip("°")) for cell in rows("square turned by")[1:]]
-    largest = [int(response_map(bright_square(angle), profile(name)).max()) for angle in angles]
+    largest = [int(response_map(bright_square(angle), Build.profile(name)).max()) for angle in angles]
     assert rows(f"`{name}`")[1:] == [str(value) for value in largest]
 
 
@@ -133,7 +136,7 @@ def test_corner_counts_of_the_example() -> None:
 
 
 def test_full_scale_is_not_what_photographs_reach() -> None:
-    parameters = profile("paper")
+    parameters = Build.profile("paper")
     largest = [response_map(image, parameters).max() for image in map(photograph, PHOTOGRAPHS)]
     least, most = (100 * limit / parameters.response_max for limit in (min(largest), max(largest)))
     assert f"ten photographs is {least:.1f} % to {most:.0f} % of it" in README
@@ -143,9 +146,9 @@ def test_offsets_without_bounds() -> None:
     """Solved in floating point, and not clamped."""
     far = []
     for name in ("camera", "grass", "gravel"):
-        responses = response_map(photograph(name), profile("paper"))
-        rows, columns = np.nonzero(corner_map(responses, int(responses.max()) // 20, profile("paper")))
-        around = sliding_window_view(peak_responses(responses, profile("paper")), (3, 3))[rows, columns]
+        responses = response_map(photograph(name), Build.profile("paper"))
+        rows, columns = np.nonzero(corner_map(responses, int(responses.max()) // 20, Build.profile("paper")))
+        around = sliding_window_view(peak_responses(responses, Build.profile("paper")), (3, 3))[rows, columns]
         xx, yy, xy, x, y = (np.float64(value) for value in derivatives(fit_nine(around)))
         usable = (xx >= 0) & (xx * yy > xy * xy)
         across, down = ((a * p + xy * q)[usable] for a, p, q in ((yy, x, y), (xx, y, x)))

@@ -15,7 +15,8 @@ from cornerstream.errors import BadInput, one_line, reason
 from cornerstream.images.decoders import ALLOWED, Decoded, check_kind, decode, kind
 from cornerstream.images.depth import eight_bits, fitted, normalized
 from cornerstream.images.headers import read_header
-from golden.parameters import SUPPORT, Parameters
+from golden.formats import SUPPORT
+from golden.parameters import Parameters
 
 _LARGEST_FILE = 1 << 30
 """Bytes; twice what the largest frame takes in 32-bit floating-point numbers, not compressed."""

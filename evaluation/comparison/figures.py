@@ -23,8 +23,8 @@ from typing import Any
 from evaluation.comparison.speed import mirrored_photograph
 from flow.quartus import find_memories, ports_of, split_modules
 from flow.verilog import MODULE, emit_verilog
-from golden import PROFILES, Parameters, Settings, StreamModel, profile
-from golden.parameters import Buffering
+from golden import PROFILES, Settings, StreamModel
+from hdl.build import Buffering, Build
 from hdl.detector import Detector
 from sim import compare, make_engine, simulate_frames, summarize
 
@@ -63,7 +63,7 @@ class FigureError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Build:
+class Variant:
     """One detector that is measured."""
 
     profile: str
@@ -72,8 +72,10 @@ class Build:
     height: int
 
     @property
-    def parameters(self) -> Parameters:
-        return profile(self.profile, buffering=self.buffering, max_width=self.width, max_height=self.height)
+    def parameters(self) -> Build:
+        return Build.profile(
+            self.profile, buffering=self.buffering, max_width=self.width, max_height=self.height
+        )
 
     @property
     def size(self) -> str:
@@ -84,17 +86,17 @@ class Build:
         return f"{self.profile}-{self.buffering}-{self.width}x{self.height}"
 
 
-def builds(sizes: Iterable[tuple[int, int]] = SIZES) -> list[Build]:
+def builds(sizes: Iterable[tuple[int, int]] = SIZES) -> list[Variant]:
     """Every profile in every buffering and size."""
     return [
-        Build(name, buffering, width, height)
+        Variant(name, buffering, width, height)
         for width, height in sizes
         for name in PROFILES
         for buffering in BUFFERINGS
     ]
 
 
-def structure(parameters: Parameters) -> Record:
+def structure(parameters: Build) -> Record:
     """What the Verilog itself tells, without any tool: the bits of its memories and of its ports, and its digest."""
     text = emit_verilog(parameters)
     _, modules = split_modules(text)
@@ -106,7 +108,7 @@ def structure(parameters: Parameters) -> Record:
     }
 
 
-def clocks(parameters: Parameters, notify: Notify | None = None) -> Record:
+def clocks(parameters: Build, notify: Notify | None = None) -> Record:
     """Clocks per frame, counted in a simulation of the built size, whose records must be the golden model's.
 
     Raises
@@ -127,7 +129,7 @@ def clocks(parameters: Parameters, notify: Notify | None = None) -> Record:
     return {"clocks_per_frame": second.clocks, "corners": len(second.records) - 1, "engine": engine.name}
 
 
-def area(parameters: Parameters) -> Record:
+def area(parameters: Build) -> Record:
     """LUTs, flip-flops, memories and multipliers after synthesis for Cyclone IV."""
     from flow.cyclone4.synthesis import synthesize
 
@@ -135,7 +137,7 @@ def area(parameters: Parameters) -> Record:
     return {field: getattr(total, field) for field in AREA_FIELDS}
 
 
-def timing(parameters: Parameters) -> Record:
+def timing(parameters: Build) -> Record:
     """Fmax after place and route for ECP5, which stands in for Cyclone IV."""
     from flow.ecp5.timing import place_and_route
 
@@ -143,7 +145,7 @@ def timing(parameters: Parameters) -> Record:
 
 
 def measure(
-    chosen: Iterable[Build],
+    chosen: Iterable[Variant],
     cache: Path,
     *,
     synthesis: bool = True,
@@ -220,7 +222,9 @@ def _end_workers() -> None:
         alive[0].join(0.1)
 
 
-def _measure_one(build: Build, *, cache: Path, synthesis: bool, place: bool, notify: Notify | None) -> Record:
+def _measure_one(
+    build: Variant, *, cache: Path, synthesis: bool, place: bool, notify: Notify | None
+) -> Record:
     say = notify or (lambda line: None)
     parameters = build.parameters
     figures: Record = asdict(build) | structure(parameters)
@@ -251,7 +255,7 @@ def _kept(path: Path, key: object, action: Callable[[], Record], announce: Calla
     return figures
 
 
-def _check(build: Build, figures: Mapping[str, Any]) -> None:
+def _check(build: Variant, figures: Mapping[str, Any]) -> None:
     bits, declared = figures["memory_bits"], figures["declared_memory_bits"]
     # small ones may have become logic
     if bits is not None and not 0 < bits <= declared:

@@ -22,7 +22,8 @@ from rich.table import Table
 from rich.text import Text
 
 from evaluation.inputs.packages import MissingPackageError, opencv
-from golden import Parameters, Settings, StreamModel, detect
+from golden import Settings, StreamModel, detect
+from hdl.build import Build
 from hdl.detector import Detector
 from sim import Engine, EngineName, compare, make_engine, simulate_frames
 
@@ -155,7 +156,7 @@ def golden_speed(repeats: int = 15) -> GoldenSpeed:
 class _EngineUnderTest:
     """An engine, its frame, and what its runs have shown so far."""
 
-    def __init__(self, engine: Engine, image: Image, parameters: Parameters) -> None:
+    def __init__(self, engine: Engine, image: Image, parameters: Build) -> None:
         self._engine, self._image, self._parameters = engine, image, parameters
         self._settings = Settings.default(parameters)
         self._expected = [StreamModel(parameters).process(image, self._settings).records]
@@ -182,14 +183,14 @@ class _EngineUnderTest:
 
 
 def engine_speed(
-    repeats: int = 3, parameters: Parameters | None = None, notify: Notify | None = None
+    repeats: int = 3, parameters: Build | None = None, notify: Notify | None = None
 ) -> EngineSpeed:
     """Clocks per second of both engines on the same detector, in turns; elaborating and compiling not counted.
 
     The compiled engine runs a Full HD frame, Amaranth's simulator a small one: the design is the same, built
     for Full HD. Every run's records are compared with the golden model's.
     """
-    parameters = parameters or Parameters()
+    parameters = parameters or Build.profile("paper")
     say = notify or (lambda line: None)
 
     def on_test(name: EngineName, shape: tuple[int, int]) -> _EngineUnderTest:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from evaluation.inputs.packages import opencv
 from golden import Parameters, Settings, detect
-from golden.parameters import MARGIN, MAX_SIDE, SIGMA2_INTEGER_BITS
+from golden.formats import MARGIN, MAX_SIDE, SIGMA2_INTEGER_BITS
 
 Image = NDArray[np.uint8]
 Points = NDArray[np.float64]
@@ -89,7 +89,7 @@ class Ours(Detector):
         return np.column_stack([corners.x, corners.y])[order]
 
     def _sigma2(self, thresholds: Thresholds) -> float:
-        if self.parameters.texture == "patches":
+        if self.parameters.algorithm.texture == "patches":
             return thresholds.sigma2 if self.filtered else NO_FILTER
         # the adaptive threshold's weight is another thing than the paper's sigma2
         return USUAL.sigma2 if self.filtered else 0.0
@@ -158,7 +158,7 @@ class Chance(Detector):
 
 WITHOUT = " without filter"
 PLAIN = "ranking by D"
-PLAIN_PARAMETERS = Parameters(gradient="signed", ties="first", fit="gradient")
+PLAIN_PARAMETERS = Parameters.profile("paper", gradient="signed", ties="first", fit="gradient")
 
 
 def detectors(profiles: dict[str, Parameters]) -> list[Detector]:

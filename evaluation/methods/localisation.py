@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from evaluation.inputs.packages import opencv
 from golden import Parameters, Settings, detect
+from golden.algorithm import Fit
 from golden.detector import corner_map, frame_thresholds, response_map
-from golden.parameters import MARGIN, Fit
+from golden.formats import MARGIN
 
 Positions = NDArray[np.float64]
 
@@ -57,7 +58,7 @@ def _variants(parameters: Parameters) -> dict[str, Parameters]:
     variants = {}
     for fit in get_args(Fit):
         try:
-            variants[str(fit)] = replace(parameters, fit=fit)
+            variants[str(fit)] = parameters.changed(fit=fit)
         except ValueError:
             # not every fit can be had with every gradient
             continue
@@ -76,7 +77,7 @@ def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) 
     positions |= {name: np.column_stack([corners.x, corners.y]) for name, corners in found.items()}
     positions[OPENCV] = corner_sub_pix(image, pixels)
     assert len({len(each) for each in positions.values()}) == 1, "rows are not the same corners"
-    return Placements(positions, found[parameters.fit].accepted)
+    return Placements(positions, found[parameters.algorithm.fit].accepted)
 
 
 def whole_pixels(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> NDArray[np.int64]:

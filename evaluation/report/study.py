@@ -89,7 +89,7 @@ def about(profiles: dict[str, Parameters], *, quick: bool) -> Record:
         },
         "resamples": bootstrap.RESAMPLES,
         "level": bootstrap.LEVEL,
-        "profiles": {name: asdict(parameters) for name, parameters in profiles.items()},
+        "profiles": {name: parameters.as_dict() for name, parameters in profiles.items()},
         "settings": asdict(Settings()),
         "pixels_per_corner": PIXELS_PER_CORNER,
         "modes": [mode.name for mode in MODES],
@@ -156,7 +156,7 @@ def study(
     flow.yowasp.ToolNotFoundError, flow.yowasp.ToolError
         Synthesis, for ``"word_lengths"``, is not possible.
     """
-    profiles = profiles or dict(PROFILES)
+    profiles = profiles or {name: Parameters.profile(name) for name in PROFILES}
     own = own or Own()
     opencv().setNumThreads(1)
     result: Record = {"about": about(profiles, quick=quick)}

@@ -7,7 +7,6 @@ filter, with the adaptive threshold. All are placed by the gradient step, so dif
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 from evaluation.inputs import views
@@ -27,14 +26,14 @@ ADAPTIVE = "and adaptive threshold"
 
 def steps() -> list[Detector]:
     """Ranking by D, the paper's filter in its place, and the profile's own steps, each with those before it."""
-    sobel = replace(PLAIN_PARAMETERS, derivative="sobel")
-    smoothed = replace(sobel, response_filter="binomial")
+    sobel = PLAIN_PARAMETERS.changed(derivative="sobel")
+    smoothed = sobel.changed(response_filter="binomial")
     return [
         Ours(PLAIN, PLAIN_PARAMETERS, filtered=False),
         Ours(PAPER_FILTER, PLAIN_PARAMETERS),
         Ours(SOBEL, sobel, filtered=False),
         Ours(SMOOTHED, smoothed, filtered=False),
-        Ours(ADAPTIVE, replace(smoothed, texture="mean")),
+        Ours(ADAPTIVE, smoothed.changed(texture="mean")),
     ]
 
 

@@ -108,7 +108,7 @@ def kind_figures(outcome: Outcome, parameters: Parameters) -> Record:
         "scenes": len(outcome.found),
         "detected": rate(outcome.found),
         "accepted": rate(outcome.accepted),
-        **by_method[parameters.fit],
+        **by_method[parameters.algorithm.fit],
         "inwards": _inwards(outcome, parameters),
         "methods": by_method,
         "median_by_noise": by_noise,
@@ -128,7 +128,7 @@ def _inwards(outcome: Outcome, parameters: Parameters) -> Record | None:
 
 def wide(profiles: dict[str, Parameters], *, quick: bool = False, notify: Notify | None = None) -> Record:
     """``{profile: {kind: figures}}`` over the wide set, thresholds at their defaults."""
-    results: Record = {name: {"fit": parameters.fit} for name, parameters in profiles.items()}
+    results: Record = {name: {"fit": parameters.algorithm.fit} for name, parameters in profiles.items()}
     done = 0
     for kind in KINDS:
         outcomes = {name: Outcome() for name in profiles}
@@ -176,7 +176,7 @@ def table_5(profiles: dict[str, Parameters], *, quick: bool = False) -> Record:
             for scene in scenes:
                 outcomes[group].add(scene, parameters, Settings.default(parameters))
         results[name] = {
-            "fit": parameters.fit,
+            "fit": parameters.algorithm.fit,
             "rows": list(_rows(outcomes["opening"], parameters)),
             "methods": _means(outcomes["opening"], parameters),
             "rotation": _means(outcomes["rotation"], parameters),

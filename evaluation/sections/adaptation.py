@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evaluation.inputs.sources import photograph
-from golden import Parameters, Settings, StreamModel, profile
+from golden import Parameters, Settings, StreamModel
 from golden.detector import frame_records, largest_response, response_map
 from golden.thresholds import choose_reference, thresholds
 
@@ -106,7 +106,7 @@ def stepped(t1: int, count: int, target: int, least: int) -> int:
 
 def _follow(law: str, frames: list[Image], target: int, parameters: Parameters) -> Record:
     if law == PAPER:
-        parameters = replace(parameters, texture="patches")
+        parameters = parameters.changed(texture="patches")
     settings = Settings.default(parameters)
     counts, t1s = [], []
     if law != STEPS:
@@ -158,7 +158,7 @@ def adaptation(
 
     ``parameters``: built with ``budget``; by default the profile ``robust``.
     """
-    parameters = parameters or profile("robust", budget=True)
+    parameters = parameters or Parameters.profile("robust", budget=True)
     frames = video()
     starts = np.cumsum([0, *(scene.frames for scene in SCENES)])[:-1].tolist()
     targets: Record = {}

@@ -33,7 +33,7 @@ def _summary(references: list[Values], boards: list[Board], parameters: Paramete
         placements = place(board.image, parameters, Settings.default(parameters))
         each.append(offsets(placements, reference))
     return {
-        "fit": parameters.fit,
+        "fit": parameters.algorithm.fit,
         "detected": estimate([np.array(found, float) for _, found, _ in each], mean),
         "accepted": estimate([np.array(accepted, float) for _, _, accepted in each], mean),
         "methods": {

@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from PIL import Image as Pictures
 from PIL import ImageDraw
 
-from golden import Corners, detect, profile
+from golden import Corners, detect
+from golden.algorithm import Fit
 from golden.detector import RESPONSE_MARGIN, response_map
-from golden.parameters import MARGIN, Fit, Parameters
+from golden.formats import MARGIN
+from golden.parameters import Parameters
 from golden.preprocessing import Image
 
 PICTURE = Path(__file__).parents[2] / "docs" / "limits" / "boards.png"
@@ -79,14 +81,14 @@ def wander(blur: float, degrees: float, fit: Fit) -> float:
     middle, y = SADDLE_SIDE / 2, SADDLE_SIDE / 2 + 0.3
     errors = []
     for x in middle + np.arange(STEPS) / STEPS:
-        found = detect(saddle(x, y, blur, degrees), profile("robust", fit=fit))
+        found = detect(saddle(x, y, blur, degrees), Parameters.profile("robust", fit=fit))
         errors.append(found.x[np.hypot(found.x - x, found.y - y).argmin()] - x)
     return float(np.ptp(errors))
 
 
 def picture() -> Pictures.Image:
     """Boards above, their D below, white the largest on any; marks where ``robust`` finds corners."""
-    parameters = profile("robust")
+    parameters = Parameters.profile("robust")
     side = _SHOWN * _SCALE
     drawn = Pictures.new("RGB", (len(SIDES) * (side + _GAP) - _GAP, 2 * side + _GAP), "white")
     responses = {square: response_map(board(square), parameters) for square in SIDES}

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from evaluation.inputs.sources import photograph
 from golden import Parameters, Settings, StreamModel, detect
-from golden.parameters import SMOOTHING_BITS
+from golden.formats import SMOOTHING_BITS
 
 Image = NDArray[np.uint8]
 Record = dict[str, Any]

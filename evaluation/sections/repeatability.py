@@ -24,8 +24,9 @@ from evaluation.methods.detectors import (
     Thresholds,
     budget,
 )
-from golden import PROFILES
-from golden.parameters import MARGIN, Fit
+from golden import Parameters
+from golden.algorithm import Fit
+from golden.formats import MARGIN
 
 Record = dict[str, Any]
 T = TypeVar("T")
@@ -224,7 +225,7 @@ def _by_view(pairs: list[Pair], found: list[Score]) -> Record:
 
 def by_fit() -> list[Detector]:
     """The corners of ``robust``, placed by each fit."""
-    return [Ours(str(fit), replace(PROFILES["robust"], fit=fit)) for fit in get_args(Fit)]
+    return [Ours(str(fit), Parameters.profile("robust", fit=fit)) for fit in get_args(Fit)]
 
 
 CURVE = (3000, 1500, 750, 375)

@@ -23,12 +23,13 @@ from flow.cyclone4.synthesis import map_component
 from golden import Corners, Parameters, Settings, decode
 from golden.convolution import KERNEL, SHIFT
 from golden.detector import corner_map, frame_records, frame_thresholds, largest_response, response_map
+from golden.formats import MARGIN, OFFSET_BITS, WINDOW_SIZE
 from golden.normal_equations import PIXEL_SIZE, normal_equations
-from golden.parameters import MARGIN, OFFSET_BITS, WINDOW_SIZE
 from golden.preprocessing import IntArray, gradients, products
 from golden.response import response
 from golden.subpixel import derivative_bits, mantissa_bits, offset_limit, peak
 from golden.thresholds import thresholds
+from hdl.build import Build
 from hdl.parts.circular_buffer import CircularBuffer
 from hdl.response import Response
 from hdl.subpixel import Subpixel
@@ -114,6 +115,11 @@ def _scenes(kind: Kind, quick: bool) -> list[Scene]:
 # -- A, B and C
 
 
+def _built(parameters: Parameters, **changes: Any) -> Build:
+    """As it is built by default."""
+    return replace(Build(algorithm=parameters.algorithm), pixel_bits=parameters.pixel_bits, **changes)
+
+
 def _tensor(
     parameters: Parameters,
     images: Sequence[NamedImage],
@@ -125,11 +131,13 @@ def _tensor(
         cut = full - bits
 
         def responses(image: NDArray[np.uint8], cut: int = cut) -> IntArray:
-            parts = products(*gradients(image, parameters.derivative), parameters.gradient)
+            parts = products(
+                *gradients(image, parameters.algorithm.derivative), parameters.algorithm.gradient
+            )
             return response(*(_smooth(part, cut) for part in parts))
 
         # the same block for pixels of fewer bits
-        block = Response(replace(parameters, pixel_bits=parameters.pixel_bits - cut // 2))
+        block = Response(_built(parameters, pixel_bits=parameters.pixel_bits - cut // 2))
         yield {
             "bits": bits,
             "default": bits == full,
@@ -156,7 +164,9 @@ _D_BLOCKS = "response buffer, texture filter, centre rows, corner detection"
 def _d_area(parameters: Parameters) -> Record:
     """Of the blocks that look at windows of D."""
     windows = WindowStage(parameters)
-    buffer = CircularBuffer(parameters.response_bits, WINDOW_SIZE, WIDTH, parameters.buffering, registers=1)
+    buffer = CircularBuffer(
+        parameters.response_bits, WINDOW_SIZE, WIDTH, _built(parameters).buffering, registers=1
+    )
     blocks = (buffer, windows.texture_filter, windows.centre_rows, windows.corner_detection)
     return _plain(sum((map_component(block, "part")[0].area for block in blocks), start=Area()))
 
@@ -167,7 +177,7 @@ def _response(
     rendered: dict[Kind, list[Scene]],
     cuts: Sequence[int],
 ) -> Iterator[Record]:
-    fields = {name: getattr(parameters, name) for name in parameters.__dataclass_fields__}
+    fields = vars(parameters)
     for cut in cuts:
 
         def responses(image: NDArray[np.uint8], cut: int = cut) -> IntArray:
@@ -233,7 +243,7 @@ def _places(corners: Corners) -> set[tuple[float, float]]:
 def _mantissa(
     parameters: Parameters, images: Sequence[NamedImage], widths: Sequence[int]
 ) -> Iterator[Record]:
-    step = replace(parameters, fit="gradient")
+    step = parameters.changed(fit="gradient")
     windows = [_windows(image.pixels, step) for image in images]
     sums = [normal_equations(pixels) for pixels in windows]
     exact = [_solution(*(part.astype(np.float64) for part in parts)) for parts in sums]

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 from flow.cyclone4.synthesis import Synthesis, synthesize
 from flow.rules import rule_text
-from golden import Parameters
+from hdl.build import Build
 from hdl.detector import Detector
 from sim.engine import Engine, make_engine
 
@@ -19,7 +19,7 @@ def gate_level_verilog(synthesis: Synthesis) -> str:
 
 
 def gate_level_engine(
-    parameters: Parameters,
+    parameters: Build,
     *,
     notify: Callable[[str], None] | None = None,
     cache: str | Path | None = None,

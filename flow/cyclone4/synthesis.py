@@ -18,7 +18,7 @@ from flow.cyclone4.refine import refine
 from flow.rules import write_rules
 from flow.verilog import MODULE
 from flow.yowasp import run_yosys
-from golden import Parameters
+from hdl.build import Build
 from hdl.edges import Interface, make_core
 
 RULES = ("cells.v", "operators.v", "memory.txt", "memory.v", "arithmetic.v", "flipflops.v", "luts.v")
@@ -110,7 +110,7 @@ class Synthesis:
         :data:`flow.verilog.MODULE`. The cells' behaviour is in ``flow/cyclone4/cells.v``.
     """
 
-    parameters: Parameters
+    parameters: Build
     tree: Block
     verilog: str
 
@@ -125,7 +125,7 @@ class Synthesis:
         return self.tree.area
 
 
-def synthesize(parameters: Parameters, interface: Interface = "stream") -> Synthesis:
+def synthesize(parameters: Build, interface: Interface = "stream") -> Synthesis:
     """Map a core to Cyclone IV; hierarchy is kept, and each block mapped by itself.
 
     Raises

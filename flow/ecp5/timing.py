@@ -21,7 +21,7 @@ from flow.ecp5.output_registers import use_output_registers
 from flow.rules import write_rules
 from flow.verilog import MODULE
 from flow.yowasp import ToolError, run, run_yosys
-from golden import Parameters
+from hdl.build import Build
 from hdl.edges import Interface, make_core
 
 DEVICE, PACKAGE = "LFE5U-45F", "CABGA381"
@@ -87,7 +87,7 @@ class Timing:
 
 
 def place_and_route(
-    parameters: Parameters, *, interface: Interface = "stream", seed: int = 1, speed: int = 6
+    parameters: Build, *, interface: Interface = "stream", seed: int = 1, speed: int = 6
 ) -> Timing:
     """Map a core to ECP5, place and route it without pins; takes a minute or two.
 

@@ -13,11 +13,12 @@ from flow.package.registers import driver_source, facts, svd
 from flow.quartus.project import ports_of, split_modules
 from flow.templates import render
 from flow.verilog import MODULE, emit_verilog
-from golden import Parameters, Settings
+from golden import Settings
 from golden import output_constructor as record
-from golden.parameters import COORDINATE_BITS, MARGIN, OFFSET_BITS, SUPPORT
+from golden.formats import COORDINATE_BITS, MARGIN, OFFSET_BITS, SUPPORT
 from golden.subpixel import offset_limit
 from golden.version import VERSION
+from hdl.build import Build
 from hdl.edges.avalon import VIDEO_PACKET
 
 PackageInterface = Literal["axi", "avalon"]
@@ -43,7 +44,7 @@ _RENDERED = {
 }
 
 
-def package_files(parameters: Parameters, interface: PackageInterface, name: str = MODULE) -> dict[str, str]:
+def package_files(parameters: Build, interface: PackageInterface, name: str = MODULE) -> dict[str, str]:
     """All files of the package, by path relative to its folder; the core, its files and macros are called ``name``.
 
     Raises
@@ -79,12 +80,12 @@ def package_files(parameters: Parameters, interface: PackageInterface, name: str
     return files | {MANIFEST: json.dumps(manifest, indent=2) + "\n"}
 
 
-def registers_page(parameters: Parameters) -> str:
+def registers_page(parameters: Build) -> str:
     """The register map as a page, the same whatever the edges are."""
     return render(_TEMPLATES, "registers.md", _facts(parameters, MODULE))
 
 
-def _facts(parameters: Parameters, name: str) -> dict[str, Any]:
+def _facts(parameters: Build, name: str) -> dict[str, Any]:
     return {
         **facts(parameters),
         "defaults": Settings.default(parameters),
@@ -94,7 +95,7 @@ def _facts(parameters: Parameters, name: str) -> dict[str, Any]:
         "manifest": MANIFEST,
         "module": name,
         "named": name != MODULE,
-        "reach": f"{offset_limit(parameters.fit) / (1 << OFFSET_BITS):g}",
+        "reach": f"{offset_limit(parameters.algorithm.fit) / (1 << OFFSET_BITS):g}",
         "p": parameters,
         "parameters": parameters.described,
         "record": {

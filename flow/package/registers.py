@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 
 from flow.package import driver
 from flow.verilog import MODULE
-from golden import Parameters
 from golden.version import VERSION
+from hdl.build import Build
 from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS, RESET_BIT, Field, Register, register_map
 
 _SVD_SCHEMA = "http://www.w3.org/2001/XMLSchema-instance"
@@ -36,7 +36,7 @@ def is_command(register: Register, field: Field) -> bool:
     return register.name == "CONTROL" and field.low == RESET_BIT
 
 
-def driver_map(parameters: Parameters) -> driver.Map:
+def driver_map(parameters: Build) -> driver.Map:
     """The map of a core, as the driver takes it."""
     return driver.Map(
         {
@@ -54,7 +54,7 @@ def driver_map(parameters: Parameters) -> driver.Map:
     )
 
 
-def driver_source(parameters: Parameters) -> str:
+def driver_source(parameters: Build) -> str:
     """The driver as a file that stands alone: its module as it is here, and the map of this core."""
     title, _, rest = files(driver.__package__).joinpath("driver.py").read_text("utf-8").partition("\n")
     lines = []
@@ -69,7 +69,7 @@ def driver_source(parameters: Parameters) -> str:
     return title + "\n" + origin + rest + _DRIVER_TAIL.format(registers="".join(lines))
 
 
-def svd(parameters: Parameters, name: str = MODULE) -> str:
+def svd(parameters: Build, name: str = MODULE) -> str:
     """The map as CMSIS-SVD 1.3: a device of one peripheral, at address 0."""
     device = ElementTree.Element(
         "device",
@@ -139,6 +139,6 @@ def _texts(element: ElementTree.Element, **children: Any) -> None:
         ElementTree.SubElement(element, tag).text = str(text)
 
 
-def facts(parameters: Parameters) -> dict[str, Any]:
+def facts(parameters: Build) -> dict[str, Any]:
     """What templates want to know of the map."""
     return {"registers": register_map(parameters), "address_bits": ADDRESS_BITS, "is_command": is_command}

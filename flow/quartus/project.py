@@ -13,8 +13,8 @@ from flow.command import command
 from flow.quartus.memories import Memory, find_memories, with_attributes
 from flow.templates import render
 from flow.verilog import END_OF_WAIVERS, MODULE, emit_verilog
-from golden import Parameters
 from golden.version import VERSION
+from hdl.build import Build
 
 FAMILY = "Cyclone IV GX"
 DEVICE = "EP4CGX150CF23C8"
@@ -55,7 +55,7 @@ def split_modules(text: str) -> tuple[str, dict[str, str]]:
     return heading, {match[1]: match[0] for match in _MODULE.finditer(text)}
 
 
-def project_files(parameters: Parameters, *, clock_mhz: float = 100.0, name: str = MODULE) -> dict[str, str]:
+def project_files(parameters: Build, *, clock_mhz: float = 100.0, name: str = MODULE) -> dict[str, str]:
     """All files of the Quartus project, by path relative to its folder.
 
     Parameters

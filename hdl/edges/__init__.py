@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any, Literal, get_args
 
-from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.detector import Detector
 from hdl.edges.avalon import AvalonCore
 from hdl.edges.axi import AxiCore
@@ -15,7 +15,7 @@ Interface = Literal["axi", "avalon", "stream"]
 """AXI4-Stream and AXI4-Lite; Avalon-ST and Avalon-MM; or the bare detector, which takes complete frames only."""
 
 
-def check_core(parameters: Parameters, interface: Interface) -> None:
+def check_core(parameters: Build, interface: Interface) -> None:
     """Raise ``ValueError`` if there is no core with these parameters and such edges."""
     if interface not in get_args(Interface):
         raise ValueError(f"interface is {interface!r}; allowed: {', '.join(get_args(Interface))}")
@@ -23,7 +23,7 @@ def check_core(parameters: Parameters, interface: Interface) -> None:
         AvalonCore.check(parameters)
 
 
-def make_core(parameters: Parameters, interface: Interface) -> Any:
+def make_core(parameters: Build, interface: Interface) -> Any:
     """The top of a core with such edges; ``ValueError`` if there is none with these parameters."""
     check_core(parameters, interface)
     tops: dict[Interface, Any] = {"axi": AxiCore, "avalon": AvalonCore, "stream": Detector}

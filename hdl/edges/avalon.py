@@ -11,7 +11,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.output_constructor import RECORD_BITS
-from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.edges.core import Core
 from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS
 
@@ -45,12 +45,12 @@ class AvalonCore(wiring.Component):
     """
 
     @staticmethod
-    def check(parameters: Parameters) -> None:
+    def check(parameters: Build) -> None:
         """Raise ``ValueError`` if it cannot be built so."""
         if parameters.video_out:
             raise ValueError("video_out is True; allowed with Avalon edges: False")
 
-    def __init__(self, parameters: Parameters, *, detector: Any = None) -> None:
+    def __init__(self, parameters: Build, *, detector: Any = None) -> None:
         self.check(parameters)
         self.core = Core(parameters, detector=detector, ends_of_line=False)
         super().__init__(

@@ -11,7 +11,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.output_constructor import RECORD_BITS
-from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.edges.core import Core
 from hdl.edges.register_bank import register_bus
 from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS
@@ -115,7 +115,7 @@ class AxiCore(wiring.Component):
         Interrupt, active high.
     """
 
-    def __init__(self, parameters: Parameters, *, detector: Any = None) -> None:
+    def __init__(self, parameters: Build, *, detector: Any = None) -> None:
         self._parameters = p = parameters
         self.core = Core(p, detector=detector)
         pixels = byte_lanes(p.pixel_bits)

@@ -10,7 +10,7 @@ from amaranth.hdl import Module
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.edges.frame_guard import video_layout
 from hdl.edges.overlay import overlay_layout
 from hdl.edges.register_bank import RegisterBank, register_bus
@@ -41,7 +41,7 @@ class Core(wiring.Component):
         Interrupt, high until software clears what caused it.
     """
 
-    def __init__(self, parameters: Parameters, *, detector: Any = None, ends_of_line: bool = True) -> None:
+    def __init__(self, parameters: Build, *, detector: Any = None, ends_of_line: bool = True) -> None:
         self._parameters = p = parameters
         self._ends_of_line = ends_of_line
         self.video_detector = VideoDetector(p, detector=detector)

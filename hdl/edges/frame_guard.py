@@ -8,11 +8,12 @@ from amaranth.hdl import Module, Mux, Signal, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import SUPPORT, Parameters
+from golden.formats import SUPPORT
 from golden.video import Event
+from hdl.build import Build
 
 
-def video_layout(parameters: Parameters) -> data.StructLayout:
+def video_layout(parameters: Build) -> data.StructLayout:
     """A pixel with its marks: first of a frame, last of a line."""
     return data.StructLayout({"pixel": unsigned(parameters.pixel_bits), "sof": 1, "eol": 1})
 
@@ -68,7 +69,7 @@ class FrameGuard(wiring.Component):
 
     latency = 1
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._parameters = p = parameters
         width, height = range(p.max_width + 1), range(p.max_height + 1)
         super().__init__(

@@ -8,7 +8,8 @@ from amaranth.hdl import Module, Mux, ResetInserter, Signal, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import MARGIN, Parameters
+from golden.formats import MARGIN
+from hdl.build import Build
 from hdl.candidate_selection import mark_layout
 from hdl.edges.frame_guard import video_layout
 from hdl.parts.queue import Queue
@@ -19,7 +20,7 @@ _CLOCKS = 128
 """And the clocks of the way through the detector, with some to spare."""
 
 
-def overlay_layout(parameters: Parameters) -> data.StructLayout:
+def overlay_layout(parameters: Build) -> data.StructLayout:
     """A pixel, whether it is an accepted corner (as a whole pixel), and its place in frame and line."""
     return data.StructLayout({"pixel": unsigned(parameters.pixel_bits), "corner": 1, "sof": 1, "eol": 1})
 
@@ -47,7 +48,7 @@ class Overlay(wiring.Component):
         A frame's last pixel moves to the output.
     """
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._parameters = p = parameters
         super().__init__(
             {

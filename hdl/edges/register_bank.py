@@ -8,9 +8,10 @@ from amaranth.hdl import C, Cat, Module, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import SUPPORT, Parameters
+from golden.formats import SUPPORT
 from golden.video import Event
 from hdl.adaptation import adapted_layout
+from hdl.build import Build
 from hdl.edges.frame_guard import events_layout
 from hdl.edges.packet_constructor import results_layout
 from hdl.edges.register_map import (
@@ -72,7 +73,7 @@ class RegisterBank(wiring.Component):
         A bit of STATUS is set that is enabled.
     """
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._parameters = parameters
         self.registers = {register.name: register for register in register_map(parameters)}
         status = len(Event)

@@ -5,21 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from golden.output_constructor import COUNT_BITS, FRAME_BITS, RESPONSE_FIELD_BITS
-from golden.parameters import (
+from golden.algorithm import PROFILES
+from golden.formats import (
     BUDGET_BITS,
     MEAN_WEIGHT_BITS,
     MEAN_WEIGHT_FRACTION_BITS,
-    PROFILES,
     SIGMA2_INTEGER_BITS,
     SIGMA_BITS,
     SMOOTHING_BITS,
     SUPPORT,
-    Parameters,
-    Settings,
 )
+from golden.output_constructor import COUNT_BITS, FRAME_BITS, RESPONSE_FIELD_BITS
+from golden.settings import Settings
 from golden.version import VERSION
 from golden.video import NO_LIMIT, Event
+from hdl.build import Build
 
 Access = Literal["ro", "rw", "w1c"]
 """Read only; read and write; read, and write one to clear."""
@@ -86,19 +86,19 @@ class Register:
         return sum(field.mask for field in self.fields)
 
 
-def register_map(parameters: Parameters) -> tuple[Register, ...]:
+def register_map(parameters: Build) -> tuple[Register, ...]:
     """All registers of a core, by address. Field names are unique."""
     registers = (*_about(parameters), *_control(parameters), *_results(parameters), *_budget(parameters))
     return tuple(sorted(registers, key=lambda register: register.address))
 
 
-def _about(p: Parameters) -> tuple[Register, ...]:
+def _about(p: Build) -> tuple[Register, ...]:
     major, minor, patch = (int(part) for part in VERSION.split("."))
     flags = {
-        "signed_gradients": p.gradient == "signed",
-        "ties_first": p.ties == "first",
-        "fit_six": p.fit == "six",
-        "patches_pixels": p.patches == "pixels",
+        "signed_gradients": p.algorithm.gradient == "signed",
+        "ties_first": p.algorithm.ties == "first",
+        "fit_six": p.algorithm.fit == "six",
+        "patches_pixels": p.algorithm.patches == "pixels",
         "lean": p.buffering == "lean",
         "video_out": p.video_out,
     }
@@ -158,35 +158,33 @@ def _about(p: Parameters) -> tuple[Register, ...]:
     )
 
 
-def _options(p: Parameters) -> tuple[Field, ...]:
+def _options(p: Build) -> tuple[Field, ...]:
     """Bits that are only there with what they say, and read 0 elsewhere."""
     options = []
     for bit, name, text, chosen in (
-        (20, "sobel", "Gradients are smoothed across.", p.derivative == "sobel"),
-        (21, "response_filter", "Responses are smoothed.", p.response_filter == "binomial"),
-        (22, "adaptive_threshold", "In place of the patches' filter.", p.texture == "mean"),
+        (20, "sobel", "Gradients are smoothed across.", p.algorithm.derivative == "sobel"),
+        (21, "response_filter", "Responses are smoothed.", p.algorithm.response_filter == "binomial"),
+        (22, "adaptive_threshold", "In place of the patches' filter.", p.algorithm.texture == "mean"),
     ):
         if chosen:
             options.append(Field(name, bit, 1, text, 1))
-    if p.suppression > 1:
-        options.append(Field("suppression", 28, 3, "Radius of suppression; 0 stands for 1.", p.suppression))
+    if p.algorithm.suppression > 1:
+        options.append(
+            Field("suppression", 28, 3, "Radius of suppression; 0 stands for 1.", p.algorithm.suppression)
+        )
     if p.budget:
         options.append(Field("budget", 31, 1, "BUDGET, REFERENCE and ADAPTED are there.", 1))
     return tuple(options)
 
 
-def _profile(p: Parameters) -> int:
-    def records(of: Parameters) -> tuple[str | int, ...]:
-        kinds = (of.gradient, of.derivative, of.response_filter, of.ties, of.fit, of.texture, of.patches)
-        return *kinds, of.suppression
-
-    numbers = {records(known): number for number, known in enumerate(PROFILES.values(), 1)}
-    return numbers.get(records(p), 0)
+def _profile(p: Build) -> int:
+    numbers = {algorithm: number for number, algorithm in enumerate(PROFILES.values(), 1)}
+    return numbers.get(p.algorithm, 0)
 
 
-def _control(p: Parameters) -> tuple[Register, ...]:
+def _control(p: Build) -> tuple[Register, ...]:
     settings = Settings.default(p)
-    less = " less SIGMA2 times the local level of D" if p.texture == "mean" else ""
+    less = " less SIGMA2 times the local level of D" if p.algorithm.texture == "mean" else ""
     events = [
         (str(event.name).lower(), event.bit_length() - 1, MEANINGS[event].format(most=_most(p)))
         for event in Event
@@ -280,15 +278,15 @@ def _control(p: Parameters) -> tuple[Register, ...]:
     )
 
 
-def _most(p: Parameters) -> str:
+def _most(p: Build) -> str:
     """What limits the records of a frame."""
     return "MAX_RECORDS or BUDGET.max_corners" if p.budget else "MAX_RECORDS"
 
 
-def _sigma2(p: Parameters, reset: int) -> tuple[str, tuple[Field, ...]]:
+def _sigma2(p: Build, reset: int) -> tuple[str, tuple[Field, ...]]:
     """Text and field of SIGMA2."""
     bits = SIGMA_BITS + SIGMA2_INTEGER_BITS
-    if p.texture != "mean":
+    if p.algorithm.texture != "mean":
         text = "Texture threshold: a corner's texture measure is below SIGMA2 times the reference."
         return text, (Field("sigma2", 0, bits, "In units of 1/65536.", reset),)
     low = SIGMA_BITS - MEAN_WEIGHT_FRACTION_BITS
@@ -301,7 +299,7 @@ def _sigma2(p: Parameters, reset: int) -> tuple[str, tuple[Field, ...]]:
     )
 
 
-def _results(p: Parameters) -> tuple[Register, ...]:
+def _results(p: Build) -> tuple[Register, ...]:
     return (
         Register(
             "FRAMES",
@@ -341,7 +339,7 @@ def _results(p: Parameters) -> tuple[Register, ...]:
     )
 
 
-def _budget(p: Parameters) -> tuple[Register, ...]:
+def _budget(p: Build) -> tuple[Register, ...]:
     if not p.budget:
         return ()
     return (

@@ -11,9 +11,10 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.output_constructor import COUNT_BITS
-from golden.parameters import Parameters, Settings
+from golden.settings import Settings
 from golden.video import NO_LIMIT
 from hdl.adaptation import adapted_layout
+from hdl.build import Build
 from hdl.detector import Detector
 from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard, events_layout, video_layout
 from hdl.edges.overlay import Overlay, overlay_layout
@@ -26,7 +27,7 @@ VIDEO_EVENTS = (*PACKET_EVENTS, *GUARD_EVENTS)
 CLOCK_BITS = 32
 
 
-def control_layout(parameters: Parameters) -> data.StructLayout:
+def control_layout(parameters: Build) -> data.StructLayout:
     """What can be set: ``golden.video.VideoSettings`` in the hardware's formats, and ``reset``, held until done."""
     return data.StructLayout(
         {
@@ -41,7 +42,7 @@ def control_layout(parameters: Parameters) -> data.StructLayout:
     )
 
 
-def initial_control(parameters: Parameters) -> dict[str, Any]:
+def initial_control(parameters: Build) -> dict[str, Any]:
     """After reset: the largest frame, usual thresholds, enabled only where it is built to start by itself."""
     return {
         "enable": int(parameters.autostart),
@@ -96,7 +97,7 @@ class VideoDetector(wiring.Component):
         What ``control.reset`` asks for is done; one clock long.
     """
 
-    def __init__(self, parameters: Parameters, *, detector: Any = None) -> None:
+    def __init__(self, parameters: Build, *, detector: Any = None) -> None:
         self._parameters = p = parameters
         self._skid = SkidBuffer(video_layout(p), closed_in_reset=True)
         self._guard = FrameGuard(p)

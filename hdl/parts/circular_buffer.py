@@ -13,7 +13,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import Buffering
+from hdl.build import Buffering
 from hdl.parts.stream import Beat, Columns, Pipeline
 
 

@@ -11,7 +11,7 @@ import json
 import os
 import random
 from collections.abc import Iterable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from golden import Parameters, Settings
 from golden.output_constructor import Records
 from golden.preprocessing import Image
 from golden.video import Event, Packet, VideoModel, VideoSettings, marked
+from hdl.build import Build
 from hdl.detector import Detector
 from hdl.edges.register_map import register_map
 from hdl.edges.video_detector import VideoDetector
@@ -36,7 +37,10 @@ ROUNDS = int(os.environ.get("ROUNDS", "1"))
 
 def environment(parameters: Parameters, **more: Any) -> dict[str, str]:
     """For ``Bench.run``: what the benches want to know."""
-    return {PARAMETERS: json.dumps(asdict(parameters)), **{name: str(value) for name, value in more.items()}}
+    return {
+        PARAMETERS: json.dumps(parameters.as_dict()),
+        **{name: str(value) for name, value in more.items()},
+    }
 
 
 def draw() -> Random:
@@ -76,7 +80,7 @@ class Bench:
         video_stall: float | None = None,
     ) -> None:
         self.dut = dut
-        self.parameters = p = Parameters(**json.loads(os.environ[PARAMETERS]))
+        self.parameters = p = Build.profile("paper", **json.loads(os.environ[PARAMETERS]))
         self.map = {register.name: register for register in register_map(p)}
         self.source = VideoSource(dut, share=idle)
         self.sinks = [Sink(dut, share=stall)]

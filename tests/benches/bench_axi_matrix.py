@@ -11,8 +11,8 @@ import cocotb
 import numpy as np
 
 from golden import Settings
+from golden.formats import MARGIN, OFFSET_BITS
 from golden.output_constructor import COORDINATE_BITS, Records
-from golden.parameters import MARGIN, OFFSET_BITS
 from golden.preprocessing import Image
 from golden.video import Packet, VideoSettings
 from tests.benches.axi import Bench, draw

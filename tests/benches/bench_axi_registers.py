@@ -43,7 +43,12 @@ def writable(bench: Bench) -> dict[int, int]:
 def reset_values(bench: Bench) -> dict[int, int]:
     p = bench.parameters
     unit = 1 << (2 * p.pixel_bits + 1)
-    built = (p.gradient == "signed", p.ties == "first", p.fit == "six", p.patches == "pixels")
+    built = (
+        p.algorithm.gradient == "signed",
+        p.algorithm.ties == "first",
+        p.algorithm.fit == "six",
+        p.algorithm.patches == "pixels",
+    )
     profiles = {(False, False, False, False): 1, (True, True, False, False): 2}
     flags = (*built, p.buffering == "lean", p.video_out)
     return {
@@ -52,11 +57,11 @@ def reset_values(bench: Bench) -> dict[int, int]:
         0x08: 1
         | p.pixel_bits << 4
         | sum(flag << (8 + k) for k, flag in enumerate(flags))
-        | profiles.get(built, 0) * (p.suppression == 1) << 16
-        | (p.derivative == "sobel") << 20
-        | (p.response_filter == "binomial") << 21
-        | (p.texture == "mean") << 22
-        | (p.suppression * (p.suppression > 1)) << 28
+        | profiles.get(built, 0) * (p.algorithm.suppression == 1) << 16
+        | (p.algorithm.derivative == "sobel") << 20
+        | (p.algorithm.response_filter == "binomial") << 21
+        | (p.algorithm.texture == "mean") << 22
+        | (p.algorithm.suppression * (p.algorithm.suppression > 1)) << 28
         | p.budget << 31,
         0x0C: p.max_height << 16 | p.max_width,
         CONTROL: int(p.autostart),

@@ -97,7 +97,7 @@ def test_detect_as_json(image: np.ndarray) -> None:
     result = run("detect", "grey.png", "--json", "--fit", "printed", "--sigma1", "0.3")
     found = json.loads(result.stdout)
     settings = Settings(sigma1=0.3, report_rejected=True)
-    corners = detect(image, Parameters(fit="printed"), settings)
+    corners = detect(image, Parameters.profile("paper", fit="printed"), settings)
     assert (found["image"], found["width"], found["height"]) == ("grey.png", WIDTH, HEIGHT)
     assert [{k: float(v) for k, v in corner.items()} for corner in found["corners"]] == as_table(corners)
     # files only where they are asked for
@@ -109,7 +109,7 @@ def test_a_limit_or_a_target_builds_what_it_needs(image: np.ndarray, limit: str)
     option = "--" + limit.replace("_", "-")
     result = run("detect", "grey.png", "--json", "--suppression", "2", "--sigma1", "0.01", option, "3")
     settings = Settings(sigma1=0.01, report_rejected=True, **{limit: 3})
-    corners = detect(image, Parameters(suppression=2, budget=True), settings)
+    corners = detect(image, Parameters.profile("paper", suppression=2, budget=True), settings)
     found = json.loads(result.stdout)["corners"]
     assert [{k: float(v) for k, v in corner.items()} for corner in found] == as_table(corners)
     assert corners.accepted.sum() <= 3 if limit == "max_corners" else len(corners) > 0
@@ -126,7 +126,7 @@ def test_conversion_is_said_in_a_line() -> None:
 @pytest.mark.parametrize("stalls", [[], ["--stall-input", "0.3", "--stall-output", "0.4", "--seed", "9"]])
 def test_simulate(image: np.ndarray, stalls: list[str]) -> None:
     result = run("simulate", "grey.png", "--engine", "amaranth", "-o", "out", *SIZE, *BOTH_KINDS, *stalls)
-    model = StreamModel(Parameters())
+    model = StreamModel(Parameters.profile("paper"))
     corners = [model.process(image, SETTINGS).corners for _ in range(2)][-1]
     assert table("out/corners.csv") == as_table(corners)
     assert Path("out/corners.png").is_file()

@@ -15,7 +15,7 @@ from click.testing import Result
 
 from cornerstream.cli import main
 from flow import quartus
-from golden import profile
+from golden import Parameters
 from tests.support.runner import CliRunner
 
 SIZE = ("--width", "40", "--height", "32")
@@ -46,7 +46,7 @@ def contents(folder: Path) -> dict[str, str]:
 
 def test_export_writes_the_project() -> None:
     result = run("export", "-o", "deep/project", *SIZE, "--profile", "robust", "--clock", "150")
-    parameters = profile("robust", max_width=40, max_height=32)
+    parameters = Parameters.profile("robust", max_width=40, max_height=32)
     assert contents(Path("deep/project")) == project_files(parameters, clock_mhz=150.0, name="cornerstream")
     assert "set period 6.6667\n" in Path("deep/project/cornerstream.sdc").read_text()
     assert result.stdout == "" and "Written: deep/project, " in result.stderr
@@ -92,7 +92,9 @@ def test_another_export_replaces_the_first_and_keeps_what_quartus_made() -> None
     assert found.pop("output_files/cornerstream.fit.summary") == "of Quartus"
     assert found.pop("rtl/mine.v") and Path("outside.v").exists()
     assert found == project_files(
-        profile("paper", buffering="lean", max_width=40, max_height=32), clock_mhz=100.0, name="cornerstream"
+        Parameters.profile("paper", buffering="lean", max_width=40, max_height=32),
+        clock_mhz=100.0,
+        name="cornerstream",
     )
 
 

@@ -21,7 +21,7 @@ from cornerstream.images import default_photograph, load
 from golden import Parameters
 from tests.support.image_files import bmp, by_pillow, chunk, exif, pgm, png, tiff
 
-PARAMETERS = Parameters(max_width=64, max_height=48)
+PARAMETERS = Parameters.profile("paper", max_width=64, max_height=48)
 GRADIENT = (np.arange(30 * 40) % 256).astype(np.uint8).reshape(30, 40)
 
 
@@ -112,7 +112,7 @@ def test_damaged_image(tmp_path: Path) -> None:
 
 
 def test_default_photograph() -> None:
-    photograph = default_photograph(Parameters())
+    photograph = default_photograph(Parameters.profile("paper"))
     assert photograph.pixels.shape == (512, 512)
     with pytest.raises(BadInput, match=r"camera .* is 512x512 pixels"):
         default_photograph(PARAMETERS)

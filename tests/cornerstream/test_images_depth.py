@@ -14,7 +14,7 @@ from cornerstream.cli import main
 from cornerstream.errors import BadInput
 from cornerstream.images import default_photograph, load
 from cornerstream.images.depth import eight_bits, fitted, normalized
-from golden import Parameters, Settings, detect, profile
+from golden import Parameters, Settings, detect
 from tests.support.image_files import FLOAT, png, tiff
 from tests.support.runner import CliRunner
 
@@ -55,7 +55,7 @@ def test_shifts(bits: int, wanted: int, number: int, pixel: int, remark: str | N
 
 
 def test_empty_upper_bits_are_told(camera: Path) -> None:
-    photograph = load(camera, Parameters())
+    photograph = load(camera, Parameters.profile("paper"))
     assert photograph.pixels.tolist() == (SQUARES >> 8).tolist()
     assert photograph.remarks == (
         "16-bit grey: the upper 8 bits are used, 4 of them empty: the largest number is 3600 "
@@ -65,7 +65,7 @@ def test_empty_upper_bits_are_told(camera: Path) -> None:
 
 @pytest.mark.parametrize("bits", [4, 8, 10])
 def test_normalized(camera: Path, bits: int) -> None:
-    photograph = load(camera, Parameters(pixel_bits=bits), normalize=True)
+    photograph = load(camera, Parameters.profile("paper", pixel_bits=bits), normalize=True)
     assert photograph.pixels.tolist() == np.where(SQUARES > 2000, (1 << bits) - 1, 0).tolist()
     assert photograph.remarks == (f"normalized: 500 to 3600 become 0 to {(1 << bits) - 1}",)
 
@@ -88,7 +88,7 @@ def test_what_cannot_be_normalized(tmp_path: Path, wrong: float, reason: str) ->
     path = tmp_path / "wrong.tif"
     path.write_bytes(tiff(numbers, 64, number=FLOAT))
     with pytest.raises(BadInput, match=f"cannot be normalized: .*{reason}.*; allowed: "):
-        load(path, Parameters(), normalize=True)
+        load(path, Parameters.profile("paper"), normalize=True)
 
 
 def test_shown_at_full_scale() -> None:
@@ -99,8 +99,11 @@ def test_shown_at_full_scale() -> None:
 
 
 def test_default_photograph_of_ten_bits() -> None:
-    photograph = default_photograph(Parameters(pixel_bits=10))
-    assert photograph.pixels.tolist() == (default_photograph(Parameters()).pixels.astype(int) * 4).tolist()
+    photograph = default_photograph(Parameters.profile("paper", pixel_bits=10))
+    assert (
+        photograph.pixels.tolist()
+        == (default_photograph(Parameters.profile("paper")).pixels.astype(int) * 4).tolist()
+    )
     assert photograph.remarks == ("8-bit grey: shifted up by 2 bits",)
 
 
@@ -110,7 +113,7 @@ def test_detect_with_ten_bits(camera: Path, tmp_path: Path, name: str) -> None:
     options = ("--profile", name, "--pixel-bits", 10, "--reference", "constant", "--normalize")
     result = run("detect", camera, *options, "--json", "-o", tmp_path / "out")
     assert result.exit_code == 0, result.output
-    parameters = profile(name, pixel_bits=10)
+    parameters = Parameters.profile(name, pixel_bits=10)
     settings = Settings.default(parameters, reference="constant", report_rejected=True)
     assert (settings.constant, settings.floor) == (8192 * 16, 1024 * 16)
     corners = detect(np.where(SQUARES > 2000, 1023, 0).astype(np.uint16), parameters, settings)

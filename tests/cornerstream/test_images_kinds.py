@@ -52,7 +52,7 @@ def cases(*outcomes: str, formats: tuple[str, ...] = ()) -> list[Any]:
 
 def loaded(path: Path, content: bytes, bits: int = 8, *, normalize: bool = False) -> Photograph:
     path.write_bytes(content)
-    return load(path, Parameters(pixel_bits=bits, **SIZE), normalize=normalize)
+    return load(path, Parameters.profile("paper", pixel_bits=bits, **SIZE), normalize=normalize)
 
 
 def shifted(grey: NDArray[Any], bits: int, wanted: int) -> NDArray[Any]:
@@ -128,7 +128,7 @@ def test_turned_photograph(tmp_path: Path, case: Case, orientation: int) -> None
 
 def loaded_any_size(path: Path, content: bytes) -> Photograph:
     path.write_bytes(content)
-    return load(path, Parameters(max_width=20, max_height=20))
+    return load(path, Parameters.profile("paper", max_width=20, max_height=20))
 
 
 def check_turned(photograph: Photograph, case: Case, orientation: int) -> None:

@@ -14,7 +14,8 @@ from PIL import Image
 
 import cornerstream.simulation
 from cornerstream.cli import main
-from golden import PROFILES, Parameters, Settings, StreamModel, detection, profile
+from golden import PROFILES, Parameters, Settings, StreamModel, detection
+from hdl.build import Build
 from sim import Mismatch
 from tests.support.photographs import photograph
 from tests.support.runner import CliRunner
@@ -58,12 +59,12 @@ def run(*arguments: str, code: int = 0) -> dict[str, Any]:
 def test_detect(image: np.ndarray, name: str) -> None:
     found = run("detect", "grey.png", "--json", "--profile", name, "--sigma1", "0.01", *SIZE)
     assert set(found) == BOTH | DETECT and DETECT >= THRESHOLDS
-    parameters = profile(name, **BUILT)
+    parameters = Parameters.profile(name, **BUILT)
     corners, reference, (t1, t2) = detection(image, parameters, SETTINGS)
     assert len(found["corners"]) == len(corners) > 0
     assert all(set(corner) == CORNER for corner in found["corners"])
     assert (found["reference"], found["t1"], found["t2"]) == (reference, t1, t2)
-    assert (found["parameters"], found["settings"]) == (asdict(parameters), asdict(SETTINGS))
+    assert (found["parameters"], found["settings"]) == (parameters.as_dict(), asdict(SETTINGS))
     assert (found["image"], found["profile"], found["files"]) == ("grey.png", name, [])
     assert (found["width"], found["height"], found["min_distance"]) == (WIDTH, HEIGHT, 0)
 
@@ -73,7 +74,7 @@ def test_simulate(image: np.ndarray) -> None:
     stalls = ("--stall-input", "0.1", "--seed", "3")
     found = run("simulate", "grey.png", "--json", *options, *stalls)
     assert set(found) == BOTH | SIMULATE
-    model = StreamModel(Parameters(**BUILT))
+    model = StreamModel(Parameters.profile("paper", **BUILT))
     expected = [model.process(image, SETTINGS) for _ in range(2)]
     for frame, wanted in zip(found["frames"], expected, strict=True):
         assert set(frame) == FRAME >= THRESHOLDS
@@ -85,7 +86,10 @@ def test_simulate(image: np.ndarray) -> None:
     assert found["frames"][0]["reference"] == 8192 != found["frames"][1]["reference"]
     assert found["stalls"] == {"inputs": 0.1, "outputs": 0.0, "seed": 3} and found["engine"] == "amaranth"
     assert found["files"] == ["out/corners.csv", "out/corners.png"] and Path("out/corners.png").is_file()
-    assert (found["parameters"], found["settings"]) == (asdict(Parameters(**BUILT)), asdict(SETTINGS))
+    assert (found["parameters"], found["settings"]) == (
+        Build.profile("paper", **BUILT).as_dict(),
+        asdict(SETTINGS),
+    )
     assert found["clocks"] > 2 * image.size and found["mismatches"] == 0
 
 
@@ -100,9 +104,9 @@ def test_simulate_with_mismatches(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("name", list(PROFILES))
 def test_thresholds_are_those_of_a_stream_that_stands_still(image: np.ndarray, name: str) -> None:
-    model = StreamModel(profile(name))
+    model = StreamModel(Parameters.profile(name))
     result = [model.process(image, SETTINGS) for _ in range(2)][-1]
-    corners, reference, limits = detection(image, profile(name), SETTINGS)
+    corners, reference, limits = detection(image, Parameters.profile(name), SETTINGS)
     assert (result.reference, result.t1, result.t2) == (reference, *limits) and len(corners)
-    given = detection(image, profile(name), SETTINGS, reference=reference // 2)
+    given = detection(image, Parameters.profile(name), SETTINGS, reference=reference // 2)
     assert given.reference == reference // 2 and given.limits.t1 in (limits.t1 // 2, (limits.t1 - 1) // 2)

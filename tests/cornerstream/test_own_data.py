@@ -11,7 +11,7 @@ from PIL import Image
 from cornerstream.errors import BadInput
 from cornerstream.own_data import load_images, load_pairs
 from evaluation.methods.detectors import USUAL, Ours
-from golden import PROFILES, Parameters, Settings, detect
+from golden import Parameters, Settings, detect
 
 TALL = np.kron(np.indices((60, 8)).sum(0) % 2, np.full((20, 12), 200)).astype(np.uint8)
 """1200 rows, more than a detector is built for unless it is asked to."""
@@ -24,8 +24,8 @@ def test_pairs_of_any_size(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     (pair,) = load_pairs(tmp_path)
     assert np.array_equal(pair.first, TALL) and np.array_equal(pair.second, TALL)
     assert capsys.readouterr().err.count("BT.601") == 1
-    found = Ours("robust", PROFILES["robust"]).at(pair.first, USUAL)
-    parameters = Parameters(**{**vars(PROFILES["robust"]), "max_height": 1200})
+    found = Ours("robust", Parameters.profile("robust")).at(pair.first, USUAL)
+    parameters = Parameters.profile("robust", max_height=1200)
     corners = detect(TALL, parameters, Settings.default(parameters))
     assert len(found) == len(corners) > 100
     assert {tuple(place) for place in found} == set(zip(corners.x.tolist(), corners.y.tolist(), strict=True))

@@ -18,7 +18,7 @@ from cornerstream.cli import main
 from flow import package as package_module
 from flow.command import command
 from flow.package import MANIFEST
-from golden import profile
+from golden import Parameters
 from tests.support.runner import CliRunner
 
 SIZE = ("--width", "40", "--height", "32")
@@ -51,7 +51,9 @@ def test_package_writes_the_package() -> None:
     options = ("--profile", "robust", "--pixel-bits", "10", "--video-out", "--autostart")
     result = run("package", "-o", "deep/ip", *SIZE, *options)
     changes = {"max_width": 40, "max_height": 32, "pixel_bits": 10, "video_out": True, "autostart": True}
-    assert contents(Path("deep/ip")) == package_files(profile("robust", **changes), "axi", "cornerstream")
+    assert contents(Path("deep/ip")) == package_files(
+        Parameters.profile("robust", **changes), "axi", "cornerstream"
+    )
     assert result.stdout == "" and "Written: deep/ip, " in result.stderr
     assert "What is what: deep/ip/README.md" in result.stderr
     assert [path.name for path in Path("deep").iterdir()] == ["ip"]
@@ -121,7 +123,9 @@ def test_another_package_replaces_the_first() -> None:
     run("package", "-o", "ip", *SIZE, "--interface", "avalon")
     found = contents(Path("ip"))
     assert found.pop("rtl/mine.v") and Path("outside.v").exists()
-    assert found == package_files(profile("paper", max_width=40, max_height=32), "avalon", "cornerstream")
+    assert found == package_files(
+        Parameters.profile("paper", max_width=40, max_height=32), "avalon", "cornerstream"
+    )
 
 
 def test_a_foreign_folder_is_left_alone() -> None:

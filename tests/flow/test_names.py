@@ -12,7 +12,7 @@ import pytest
 
 from flow.quartus import ports_of, split_modules
 from flow.verilog import VerilogError, emit_verilog, plain_ports
-from golden import profile
+from hdl.build import Build
 from hdl.edges import Interface
 from hdl.identifiers import is_plain
 from sim.verilog_engine import verilator_root
@@ -29,7 +29,7 @@ CORES: dict[str, tuple[str, Interface]] = {
 @cache
 def emitted(name: str) -> str:
     kind, interface = CORES[name]
-    parameters = profile(kind, max_width=40, max_height=32, budget=interface == "stream")
+    parameters = Build.profile(kind, max_width=40, max_height=32, budget=interface == "stream")
     return emit_verilog(parameters, interface, name)
 
 

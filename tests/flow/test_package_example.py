@@ -22,6 +22,7 @@ from flow.package import MANIFEST, PackageInterface, package_files
 from golden import Parameters, Settings
 from golden.version import VERSION
 from golden.video import VideoModel, VideoSettings, marked
+from hdl.build import Build
 from sim.compiler import build, run_tool
 from sim.verilog_engine import verilator_root
 
@@ -41,7 +42,9 @@ VARIANTS: list[tuple[PackageInterface, dict[str, Any]]] = [
 
 @cache
 def _package(interface: PackageInterface, changes: tuple[tuple[str, Any], ...]) -> dict[str, str]:
-    return package_files(Parameters(**{"max_width": WIDTH, "max_height": HEIGHT, **dict(changes)}), interface)
+    return package_files(
+        Build.profile("paper", **{"max_width": WIDTH, "max_height": HEIGHT, **dict(changes)}), interface
+    )
 
 
 def package(interface: PackageInterface, **changes: Any) -> dict[str, str]:
@@ -129,7 +132,7 @@ def test_the_example_counts_corners(interface: PackageInterface) -> None:
     program = bench(package(interface))
     done = subprocess.run([program], capture_output=True, text=True, check=True, timeout=60)
     counts = [int(found) for found in re.findall(r"^frame \d+: (\d+) corners$", done.stdout, re.MULTILINE)]
-    assert counts == expected(Parameters(max_width=WIDTH, max_height=HEIGHT))
+    assert counts == expected(Build.profile("paper", max_width=WIDTH, max_height=HEIGHT))
     assert len(set(counts)) > 1 and min(counts) > 0
     assert "\nDone.\n" in done.stdout
 
@@ -199,11 +202,11 @@ def test_the_package_says_what_is_in_it(interface: PackageInterface, changes: di
     assert changes.items() <= manifest["parameters"].items()
     readme = files["README.md"]
     assert all(f"| `{name}` |" in readme for name in files if name != "README.md")
-    parameters = Parameters(**{"max_width": WIDTH, "max_height": HEIGHT, **changes})
+    parameters = Build.profile("paper", **{"max_width": WIDTH, "max_height": HEIGHT, **changes})
     assert f"\n{command('package', parameters, interface=interface)}\n" in readme
     reach = 4 if manifest["parameters"]["fit"] == "gradient" else 0.5
     assert f"a corner is at most {reach} pixels from its peak" in readme
-    less = " less SIGMA2 times the local level of D" if parameters.texture == "mean" else ""
+    less = " less SIGMA2 times the local level of D" if parameters.algorithm.texture == "mean" else ""
     assert f"| 60:40 | response{less} |" in readme
     for name, text in files.items():
         assert text.endswith("\n") and not text.endswith("\n\n"), name

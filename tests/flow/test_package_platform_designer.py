@@ -13,7 +13,7 @@ from amaranth.hdl import Fragment
 from flow.package import PackageInterface, package_files
 from flow.package.platform_designer import hw_interfaces
 from flow.quartus import Port
-from golden import Parameters
+from hdl.build import Build
 from hdl.edges import make_core
 from sim.ports import signals
 
@@ -75,7 +75,7 @@ ROLES: dict[PackageInterface, dict[tuple[str, str, str], set[str]]] = {
 
 @cache
 def _package(interface: PackageInterface, changes: tuple[tuple[str, Any], ...]) -> dict[str, str]:
-    return package_files(Parameters(**SMALL, **dict(changes)), interface)
+    return package_files(Build.profile("paper", **SMALL, **dict(changes)), interface)
 
 
 def package(interface: PackageInterface, changes: dict[str, Any]) -> dict[str, str]:
@@ -108,7 +108,7 @@ def test_every_port_is_attached_once(interface: PackageInterface, changes: Any) 
     calls = commands(files["cornerstream_hw.tcl"])
     assert {call[0] for call in calls} == set(COMMANDS)
 
-    core = make_core(Parameters(**SMALL, **changes), interface)
+    core = make_core(Build.profile("paper", **SMALL, **changes), interface)
     # Amaranth takes a component that is never elaborated for a mistake
     Fragment.get(core, platform=None)
     expected = {(signal.name, len(signal)) for signal in signals(core)} | {("clk", 1), ("rst", 1)}

@@ -15,14 +15,15 @@ from cmsis_svd import SVDParser
 from flow.package import driver_map, registers_page
 from flow.package.driver import Map, Registers
 from flow.package.registers import driver_source, is_command, svd
-from golden import Parameters, profile
+from golden import Parameters
+from hdl.build import Build
 from hdl.edges.register_map import ADDRESS_BITS, register_map
 
-PARAMETERS = Parameters()
+PARAMETERS = Build.profile("paper")
 BUILDS = [
     PARAMETERS,
-    profile("robust", max_width=640, max_height=480, pixel_bits=10, autostart=True),
-    profile("robust", budget=True, suppression=3),
+    Build.profile("robust", max_width=640, max_height=480, pixel_bits=10, autostart=True),
+    Build.profile("robust", budget=True, suppression=3),
 ]
 PAGE = Path(__file__).parents[2] / "docs" / "registers.md"
 
@@ -231,7 +232,9 @@ def test_the_page_names_every_bit() -> None:
 
 
 def test_options_are_in_the_map_where_they_are_built_and_nowhere_else() -> None:
-    plain, built = (driver_map(p).registers for p in (PARAMETERS, Parameters(budget=True, suppression=3)))
+    plain, built = (
+        driver_map(p).registers for p in (PARAMETERS, Build.profile("paper", budget=True, suppression=3))
+    )
     assert set(built) - set(plain) == {"BUDGET", "ADAPTED", "REFERENCE"}
     names = set(built["CAPABILITY"].fields) - set(plain["CAPABILITY"].fields)
     assert names == {"budget", "suppression"}
@@ -241,6 +244,10 @@ def test_options_are_in_the_map_where_they_are_built_and_nowhere_else() -> None:
     # another radius is another detector, a budget that is off is not
     profiles = [
         driver_map(p).registers["CAPABILITY"].reset >> 16 & 15
-        for p in (Parameters(), Parameters(budget=True), Parameters(suppression=2))
+        for p in (
+            Build.profile("paper"),
+            Build.profile("paper", budget=True),
+            Build.profile("paper", suppression=2),
+        )
     ]
     assert profiles == [1, 1, 0]

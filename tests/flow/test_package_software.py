@@ -14,15 +14,16 @@ import numpy as np
 import pytest
 
 from flow.package import PackageInterface, driver_map, package_files
-from golden import Parameters, Settings, decode, profile
+from golden import Parameters, Settings, decode
 from golden.output_constructor import FrameEnd, decode_frame_end, encode_frame_end
 from golden.video import Packet, VideoModel, VideoSettings, marked
+from hdl.build import Build
 from hdl.edges.register_map import register_map
 from sim.compiler import find_compiler
 from tests.support.photographs import photograph
 
 WIDTH, HEIGHT = 64, 48
-PARAMETERS = profile("robust", max_width=WIDTH, max_height=HEIGHT)
+PARAMETERS = Build.profile("robust", max_width=WIDTH, max_height=HEIGHT)
 STRICT = ("-Wall", "-Wextra", "-Werror", "-pedantic")
 # Registers that behave as the core's do, as far as the example can tell: the size is checked, STATUS is cleared by
 # ones, and a frame ends when STATUS has been read a few times after the start.
@@ -190,7 +191,7 @@ def test_the_example_compiles_by_itself(software: Path) -> None:
     assert subprocess.run(command, cwd=software, capture_output=True, text=True, check=False).stderr == ""
 
 
-@pytest.mark.parametrize("parameters", [PARAMETERS, Parameters(video_out=True)])
+@pytest.mark.parametrize("parameters", [PARAMETERS, Build.profile("paper", video_out=True)])
 def test_the_header_holds_the_map(parameters: Parameters) -> None:
     text = package_files(parameters, "axi")["software/cornerstream.h"]
     found = re.findall(r"^#define CORNERSTREAM_(\w+) (\w+?)u?$", text, re.MULTILINE)

@@ -35,7 +35,8 @@ from flow.quartus.project import MANIFEST
 from flow.rules import rule_text
 from flow.verilog import END_OF_WAIVERS, convert
 from flow.yowasp import run_yosys
-from golden import Parameters, Settings, StreamModel, profile
+from golden import Settings, StreamModel
+from hdl.build import Build
 from hdl.detector import Detector
 from hdl.identifiers import plain_port
 from hdl.parts.circular_buffer import CircularBuffer
@@ -50,7 +51,7 @@ VARIANTS = [("paper", "banked"), ("paper", "lean"), ("robust", "lean")]
 
 @cache
 def exported(name: str, buffering: Any) -> dict[str, str]:
-    return project_files(profile(name, buffering=buffering, **SMALL), clock_mhz=125)
+    return project_files(Build.profile(name, buffering=buffering, **SMALL), clock_mhz=125)
 
 
 def sources(files: dict[str, str]) -> dict[str, str]:
@@ -118,7 +119,7 @@ def test_no_record_depends_on_reading_during_writing(tmp_path: Path, name: str, 
     assert sum(count for _, count in changed.values()) == allowed > 2
     path = tmp_path / "noise.v"
     path.write_text("".join(text for text, _ in changed.values()))
-    parameters = profile(name, buffering=buffering, **SMALL)
+    parameters = Build.profile(name, buffering=buffering, **SMALL)
     engine = make_engine("verilog", Detector(parameters), verilog=path, cache=tmp_path)
     some = Settings(sigma1=0.01, report_rejected=True)
     every = Settings(sigma1=0.0, floor=1, report_rejected=True)
@@ -169,7 +170,7 @@ def test_every_memory_follows_a_template(name: str, buffering: Any) -> None:
     )
     assert len(attributes) == len(memories) > 2
     # the line buffers are what most of it is
-    detector = Detector(profile(name, buffering=buffering, **SMALL))
+    detector = Detector(Build.profile(name, buffering=buffering, **SMALL))
     buffers = sum(b.memory_bits for b in detector.blocks.values() if isinstance(b, CircularBuffer))
     assert 0 < buffers <= sum(memory.bits for memory in memories)
     stated = re.search(r"^([\d,]+) bits\.", files["README.md"], re.MULTILINE)
@@ -272,7 +273,7 @@ def test_sources_map_to_the_same_blocks_of_ram_as_the_design(
     run_yosys("\n".join(commands), tmp_path)
     cells = json.loads((tmp_path / "cells.json").read_text())["design"]["num_cells_by_type"]
     blocks = sum(count for kind, count in cells.items() if kind.startswith("$__CYCLONE4_M9K"))
-    assert blocks == synthesize(profile(name, buffering=buffering, **SMALL)).total.m9k > 5
+    assert blocks == synthesize(Build.profile(name, buffering=buffering, **SMALL)).total.m9k > 5
 
 
 @pytest.mark.parametrize(("name", "buffering"), VARIANTS)
@@ -288,7 +289,7 @@ def test_settings_list_what_there_is(name: str, buffering: Any) -> None:
 
 
 def test_virtual_pins_are_the_ports_of_the_component() -> None:
-    detector = Detector(profile("paper", **SMALL))
+    detector = Detector(Build.profile("paper", **SMALL))
     expected = {"rst"}
     for port in signals(detector):
         bits = len(port)
@@ -418,7 +419,7 @@ def test_script_fails_when_the_compilation_does(tmp_path: Path) -> None:
 def test_clock_must_be_positive() -> None:
     for clock in (0, -1, float("nan"), float("inf")):
         with pytest.raises(ValueError, match=r"clock is .*; allowed: MHz, more than 0"):
-            project_files(Parameters(**SMALL), clock_mhz=clock)
+            project_files(Build.profile("paper", **SMALL), clock_mhz=clock)
 
 
 def test_modules_are_complete() -> None:

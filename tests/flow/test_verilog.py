@@ -17,8 +17,9 @@ from amaranth.lib.wiring import In, Out
 
 from flow.quartus import find_memories, split_modules
 from flow.verilog import convert, core_verilog, emit_verilog
-from golden import Parameters, Settings, StreamModel, profile
+from golden import Settings, StreamModel
 from golden.version import VERSION
+from hdl.build import Build
 from hdl.detector import Detector
 from sim import Stalls, Stimulus, compare, make_engine, simulate_frames, summarize
 from sim.verilog_engine import verilator_root
@@ -132,14 +133,14 @@ def test_verilog_is_the_same_machine(tmp_path: Path, init: list[int]) -> None:
 
 
 def test_detector_is_verilog_2001(tmp_path: Path) -> None:
-    text = emit_verilog(Parameters(**SMALL))
+    text = emit_verilog(Build.profile("paper", **SMALL))
     assert re.findall(r"^module cornerstream\((.*)\);", text, re.MULTILINE)
     assert "//   max_width = 40\n" in text
     assert lint(text, tmp_path) == ""
 
 
 def test_detector_keeps_its_table_and_nothing_else() -> None:
-    assert len(initialised(emit_verilog(Parameters(**SMALL)))) == 1
+    assert len(initialised(emit_verilog(Build.profile("paper", **SMALL)))) == 1
 
 
 def noise_at_power_on(text: str) -> tuple[str, int]:
@@ -166,7 +167,7 @@ def noise_at_power_on(text: str) -> tuple[str, int]:
 
 @pytest.mark.parametrize("name", ["paper", "robust"])
 def test_no_record_depends_on_what_memories_held_at_power_on(tmp_path: Path, name: str) -> None:
-    parameters = profile(name, **SMALL)
+    parameters = Build.profile(name, **SMALL)
     detector = Detector(parameters)
     plain = core_verilog(detector, parameters)
     text, memories = noise_at_power_on(plain)
@@ -185,5 +186,5 @@ def test_no_record_depends_on_what_memories_held_at_power_on(tmp_path: Path, nam
 
 
 def test_emission_is_repeatable() -> None:
-    parameters = profile("robust", **SMALL)
+    parameters = Build.profile("robust", **SMALL)
     assert emit_verilog(parameters) == emit_verilog(parameters)

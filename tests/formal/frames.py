@@ -6,11 +6,11 @@ from typing import Any
 
 from amaranth.hdl import Assert, Cat, Module, Mux, Signal, Value
 
-from golden.parameters import Parameters
+from hdl.build import Build
 from tests.formal.design import Insides
 from tests.formal.properties import Scoreboard, invariant, moves, within
 
-PARAMETERS = Parameters()
+PARAMETERS = Build.profile("paper")
 LARGEST = {"x": PARAMETERS.max_width, "y": PARAMETERS.max_height}
 LEAST = {"x": 3, "y": 2}
 """The guard works from these sizes on, so that is what is proven: 15x15 and more are among them."""

@@ -11,7 +11,8 @@ from amaranth.hdl import Assert, Assume, Cat, Cover, Elaboratable, Module, Mux, 
 from amaranth.lib import data
 
 import hdl.candidate_selection
-from golden.parameters import MARGIN, Parameters
+from golden.formats import MARGIN
+from hdl.build import Build
 from hdl.candidate_selection import INSIDE
 from hdl.parts.queue import ROOM
 from tests.formal.claims import Case, Claim, Fault, cases
@@ -27,8 +28,8 @@ from tests.formal.properties import (
 )
 from tests.formal.queues import queue_holds
 
-DEFAULT = Parameters()
-SHORT = Parameters(pixel_bits=4)
+DEFAULT = Build.profile("paper")
+SHORT = Build.profile("paper", pixel_bits=4)
 """With queues that are soon full, shorter than any that can be built: for covers and faults."""
 object.__setattr__(SHORT, "queue_depth", ROOM)
 

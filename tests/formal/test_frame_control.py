@@ -10,7 +10,8 @@ import pytest
 from amaranth.hdl import Cat, Cover, Elaboratable, Module, Mux, Signal, Value
 
 import hdl.frame_control
-from golden.parameters import SUPPORT, Parameters
+from golden.formats import SUPPORT
+from hdl.build import Build
 from tests.formal.claims import Case, Claim, Fault, cases
 from tests.formal.design import Insides, variant
 from tests.formal.properties import (
@@ -23,8 +24,8 @@ from tests.formal.properties import (
     stable,
 )
 
-DEFAULT = Parameters()
-SMALL = Parameters(pixel_bits=4, max_width=16, max_height=16)
+DEFAULT = Build.profile("paper")
+SMALL = Build.profile("paper", pixel_bits=4, max_width=16, max_height=16)
 SMALLEST = 3
 """Least side of a frame in a variant whose frames can end within few clocks."""
 
@@ -127,7 +128,7 @@ FRAMES = Claim(
     design=hdl.frame_control,
     small=variant(
         hdl.frame_control,
-        {"import SUPPORT, Parameters\n": f"import Parameters\n\nSUPPORT = {SMALLEST}\n"},
+        {"from golden.formats import SUPPORT\n": f"SUPPORT = {SMALLEST}\n"},
     ),
     check=FrameControlChecker,
     depth=1,

@@ -10,13 +10,14 @@ import pytest
 from amaranth.hdl import Assert, Assume, Cat, Const, Cover, Elaboratable, Module, Mux, Signal
 
 import hdl.output_constructor
+from golden.formats import COORDINATE_BITS, OFFSET_BITS
 from golden.output_constructor import COUNT_BITS, FLAG_SHIFT, FRAME_BITS, RESPONSE_SHIFT
-from golden.parameters import COORDINATE_BITS, OFFSET_BITS, Parameters
+from hdl.build import Build
 from tests.formal.claims import Case, Claim, Fault, cases
 from tests.formal.design import Insides
 from tests.formal.properties import Scoreboard, assume_stable, free, invariant, moves, stable, within
 
-PARAMETERS = Parameters()
+PARAMETERS = Build.profile("paper")
 CLAMPED_AND_NOT_MAXIMUM = 3
 """The two flags that together mark an end of frame; no offset has both."""
 

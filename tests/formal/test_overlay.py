@@ -10,11 +10,11 @@ import pytest
 from amaranth.hdl import Cover, Elaboratable, Module
 
 import hdl.edges.overlay
-from golden.parameters import Parameters
+from hdl.build import Build
 from tests.formal.claims import Case, Claim, Fault, cases
 from tests.formal.properties import free, moves, stable
 
-PARAMETERS = Parameters(max_width=15, max_height=15, buffering="lean", video_out=True)
+PARAMETERS = Build.profile("paper", max_width=15, max_height=15, buffering="lean", video_out=True)
 """The smallest, because the depth of its memory has no part in this."""
 
 

@@ -12,15 +12,15 @@ import hdl.edges.axi
 import hdl.edges.core
 import hdl.edges.video_detector
 import hdl.parts.stream
-from golden.parameters import Parameters
+from hdl.build import Build
 from tests.formal.design import variant
 from tests.formal.paths import combinational_paths
 
 SMALL = {"max_width": 32, "max_height": 32}
 CORES = {
-    "AXI": lambda: hdl.edges.axi.AxiCore(Parameters(**SMALL)),
-    "AXI with pixels": lambda: hdl.edges.axi.AxiCore(Parameters(**SMALL, video_out=True)),
-    "Avalon": lambda: hdl.edges.avalon.AvalonCore(Parameters(**SMALL)),
+    "AXI": lambda: hdl.edges.axi.AxiCore(Build.profile("paper", **SMALL)),
+    "AXI with pixels": lambda: hdl.edges.axi.AxiCore(Build.profile("paper", **SMALL, video_out=True)),
+    "Avalon": lambda: hdl.edges.avalon.AvalonCore(Build.profile("paper", **SMALL)),
 }
 
 
@@ -43,7 +43,7 @@ def test_paths_deep_in_a_core_are_found(monkeypatch: pytest.MonkeyPatch) -> None
     skid = "self._skid.i)\n        wiring.connect(m, self._skid.o, guard.i)"
     wrong = variant(hdl.edges.video_detector, {skid: "guard.i)"})
     monkeypatch.setattr(hdl.edges.core, "VideoDetector", wrong.VideoDetector)
-    paths = combinational_paths(hdl.edges.axi.AxiCore(Parameters(**SMALL)))
+    paths = combinational_paths(hdl.edges.axi.AxiCore(Build.profile("paper", **SMALL)))
     assert paths.keys() == {"s_axis_tready"}
     # no valid reaches it, but marks do
     assert paths["s_axis_tready"] == {"s_axis_tuser", "s_axis_tlast"}

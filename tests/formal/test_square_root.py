@@ -21,12 +21,12 @@ import z3  # type: ignore[import-untyped]
 from amaranth.hdl import Assert, C, Cat, Cover, Elaboratable, Module, Mux, Signal, Value
 
 import hdl.square_root
-from golden.parameters import Parameters
+from hdl.build import Build
 from tests.formal.claims import Case, Claim, Fault, cases
 from tests.formal.design import Insides, stored, variant
 from tests.formal.properties import free, invariant
 
-ROOT_BITS = Parameters().root_bits
+ROOT_BITS = Build.profile("paper").root_bits
 
 
 class Known(NamedTuple):

@@ -10,13 +10,13 @@ import pytest
 from amaranth.hdl import Assert, Cover, Elaboratable, Module, Mux, Signal
 
 import hdl.thresholds
-from golden.parameters import Parameters
+from hdl.build import Build
 from tests.formal.claims import Case, Claim, Fault, cases
 from tests.formal.design import Insides, variant
 from tests.formal.properties import Scoreboard, assume_stable, free, invariant, moves, stable, within
 
-DEFAULT = Parameters()
-NARROW = Parameters(pixel_bits=4)
+DEFAULT = Build.profile("paper")
+NARROW = Build.profile("paper", pixel_bits=4)
 """With the variant whose multiplications take few clocks, so that covers and faults are soon found."""
 
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from golden import Parameters, Settings, StreamModel, detect, profile, reference_detect
+from golden import Parameters, Settings, StreamModel, detect, reference_detect
 from golden.adaptation import (
     COUNT_MAX,
     adapted_threshold,
@@ -23,8 +23,8 @@ from golden.adaptation import (
 from golden.video import Event, VideoModel, VideoSettings, marked
 from tests.support.photographs import photograph
 
-PAPER = Parameters(budget=True)
-ROBUST = profile("robust", budget=True)
+PAPER = Parameters.profile("paper", budget=True)
+ROBUST = Parameters.profile("robust", budget=True)
 Image = NDArray[np.unsignedinteger[Any]]
 
 
@@ -44,7 +44,7 @@ def test_edges_by_hand() -> None:
 @pytest.mark.parametrize("gradient", ["absolute", "signed"])
 @pytest.mark.parametrize("pixel_bits", range(4, 11))
 def test_edges_of_every_detector(gradient: Any, pixel_bits: int) -> None:
-    p = Parameters(pixel_bits=pixel_bits, gradient=gradient)
+    p = Parameters.profile("paper", pixel_bits=pixel_bits, gradient=gradient)
     edges = bin_edges(p)
     widths = np.diff(edges)
     assert len(widths) == bins(p) == 4 * octaves(p) + 4 <= 48
@@ -77,7 +77,7 @@ def test_threshold_by_hand() -> None:
 
 @given(st.data())
 def test_a_target_is_missed_by_less_than_one_bin(data: st.DataObject) -> None:
-    p = data.draw(st.sampled_from([PAPER, ROBUST, Parameters(pixel_bits=4)]))
+    p = data.draw(st.sampled_from([PAPER, ROBUST, Parameters.profile("paper", pixel_bits=4)]))
     values = st.one_of(st.integers(1, p.response_max), st.sampled_from([1, 9, 100, 101, p.response_max]))
     responses = np.array(data.draw(st.lists(values, max_size=60)), np.int64)
     counts = histogram(responses, p)
@@ -173,7 +173,7 @@ def test_max_corners_keeps_the_first(most: int, rejected: bool) -> None:
 
 def test_a_cut_frame_changes_nothing() -> None:
     """And what either limit left out is found, and reported as dropped."""
-    p = profile("robust", budget=True, max_width=40, max_height=40)
+    p = Parameters.profile("robust", budget=True, max_width=40, max_height=40)
     settings = Settings.default(p, sigma1=0.01, target_corners=12, max_corners=4, sigma2=0)
     video = VideoSettings(40, 40, settings)
     images = [window("grass", k, 40) for k in (9, 10, 30)]
@@ -194,7 +194,7 @@ def test_the_budget_must_be_built() -> None:
         with pytest.raises(
             ValueError, match=f"{field} is 7; allowed: 0, since the detector is built without"
         ):
-            Settings(**{field: 7}).check(Parameters())
+            Settings(**{field: 7}).check(Parameters.profile("paper"))
         with pytest.raises(ValueError, match=f"{field} is 65536; allowed: whole numbers from 0 to 65535"):
             Settings(**{field: 65536})
     with pytest.raises(ValueError, match="smoothing is 4; allowed: whole numbers from 0 to 3"):
@@ -205,7 +205,7 @@ def test_the_budget_must_be_built() -> None:
 def test_float_reference(name: str) -> None:
     """Which takes the target's largest, without a histogram, and suppresses within the same radius."""
     # rounded gradients, which the reference has not, decide which of some corners are among the largest
-    parameters = profile("robust", budget=True, suppression=3, derivative="central")
+    parameters = Parameters.profile("robust", budget=True, suppression=3, derivative="central")
     settings = Settings.default(parameters, target_corners=80)
     image = photograph(name)
     exact = reference_detect(image, parameters, settings)

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from golden import Settings, detect, profile
+from golden import Settings, detect
 from golden.adaptive_threshold import adaptive_threshold, local_level, prominence
 from golden.parameters import Parameters
 from golden.thresholds import thresholds
@@ -45,7 +45,7 @@ def test_threshold_is_strict_and_the_response_never_negative() -> None:
     ("sigma2", "weight"), [(0, 0), (0.12, 0), (0.125, 1), (0.5, 4), (1, 8), (1.99, 15), (2, 15), (15.9, 15)]
 )
 def test_sigma2_is_a_weight_whatever_the_reference(sigma2: float, weight: int) -> None:
-    settings, parameters = Settings(sigma1=0.5, sigma2=sigma2), Parameters(texture="mean")
+    settings, parameters = Settings(sigma1=0.5, sigma2=sigma2), Parameters.profile("paper", texture="mean")
     assert settings.mean_weight == weight
     for reference in (0, 1, 65026):
         assert thresholds(settings, reference, parameters) == (reference // 2, weight)
@@ -65,7 +65,7 @@ def test_equals_the_formula_in_fractions(seed: int, weight: int, t1: int) -> Non
 @pytest.mark.parametrize("response_filter", ["none", "binomial"])
 def test_a_higher_t1_leaves_the_largest_responses(response_filter: Any, camera: NDArray[np.uint8]) -> None:
     """So that who sorts the records by response gets what a budget's threshold would have left."""
-    parameters = profile("robust", response_filter=response_filter)
+    parameters = Parameters.profile("robust", response_filter=response_filter)
     many = detect(camera, parameters, Settings(sigma1=0.01), reference=20000)
     few = detect(camera, parameters, Settings(sigma1=0.1), reference=20000)
     large = many.response > 2000
@@ -75,15 +75,15 @@ def test_a_higher_t1_leaves_the_largest_responses(response_filter: Any, camera: 
 
 def test_rejected_corners_are_reported_with_what_is_left_of_them(camera: NDArray[np.uint8]) -> None:
     settings = Settings(sigma1=0.02, sigma2=1, report_rejected=True)
-    corners = detect(camera, profile("robust"), settings, reference=20000)
+    corners = detect(camera, Parameters.profile("robust"), settings, reference=20000)
     accepted = corners.accepted
     assert 0 < accepted.sum() < len(corners)
     assert (corners.response[accepted] > 400).all() and (corners.response[~accepted] <= 400).all()
-    plain = detect(camera, profile("robust", texture="patches"), settings, reference=20000)
+    plain = detect(camera, Parameters.profile("robust", texture="patches"), settings, reference=20000)
     assert (corners.x == plain.x).all() and (corners.response <= plain.response).all()
 
 
 def test_weight_of_nothing_rejects_nothing(camera: NDArray[np.uint8]) -> None:
     settings = Settings(sigma1=0.02, sigma2=0, report_rejected=True)
-    corners = detect(camera, profile("robust"), settings)
+    corners = detect(camera, Parameters.profile("robust"), settings)
     assert len(corners) > 100 and corners.accepted.all()

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from numpy.typing import NDArray
 
+from golden.algorithm import Ties
 from golden.corner_detection import corner_detection
-from golden.parameters import Ties
 
 NEIGHBOURS = [(v, u) for v, u in product((-1, 0, 1), repeat=2) if (v, u) != (0, 0)]
 EARLIER = [(-1, -1), (-1, 0), (-1, 1), (0, -1)]

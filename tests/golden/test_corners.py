@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden import Corners, Flag, StreamModel, detect, profile
+from golden import Corners, Flag, Parameters, StreamModel, detect
 
 FOUR = Corners(
     x=np.array([10.5, 20.0078125, 30.0, 11.0]),
@@ -179,7 +179,7 @@ def test_refined_corners_come_nearer_than_their_peaks() -> None:
     """Two dark squares, the corners of which are at (23.5, 23.5) and (23.5, 26.5), in a white strip of three rows."""
     image = np.full((48, 48), 255, np.uint8)
     image[10:24, 10:24] = image[27:38, 24:38] = 0
-    found = detect(image, profile("robust", suppression=3))
+    found = detect(image, Parameters.profile("robust", suppression=3))
     pair = found[np.hypot(found.x - 23.5, found.y - 25) < 3]
     assert len(found) == 8 and len(pair) == 2
     # R = 3 keeps peaks 4 pixels apart in x or in y

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from golden import Parameters, Settings, check_image, detect, profile, reference_detect
+from golden import Parameters, Settings, check_image, detect, reference_detect
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
 from golden.detector import response_map
 from golden.preprocessing import gradients, products
 from golden.response import response
 
-SMALL = Parameters(max_width=40, max_height=30)
+SMALL = Parameters.profile("paper", max_width=40, max_height=30)
 ALL = Settings(sigma1=0.1, report_rejected=True)
 
 
@@ -37,7 +37,7 @@ def test_image_must_have_the_pixels_dtype(dtype: type) -> None:
 
 
 def test_wide_pixels_come_in_16_bits() -> None:
-    ten = Parameters(pixel_bits=10)
+    ten = Parameters.profile("paper", pixel_bits=10)
     assert "allowed: uint16 (10-bit pixels)" in refusal(TypeError, np.zeros((20, 20), np.uint8), ten)
     message = refusal(ValueError, np.full((20, 20), 1024, np.uint16), ten)
     assert message == "image has a pixel of 1024; allowed: 0 to 1023"
@@ -45,7 +45,7 @@ def test_wide_pixels_come_in_16_bits() -> None:
 
 
 def test_narrow_pixels_come_in_8_bits() -> None:
-    four = Parameters(pixel_bits=4)
+    four = Parameters.profile("paper", pixel_bits=4)
     message = refusal(ValueError, np.full((20, 20), 16, np.uint8), four)
     assert message == "image has a pixel of 16; allowed: 0 to 15"
     assert len(detect(np.full((20, 20), 15, np.uint8), four)) == 0
@@ -85,7 +85,7 @@ def test_settings_beyond_the_detectors_range_are_refused() -> None:
     message = refusal(
         ValueError,
         np.zeros((20, 20), np.uint8),
-        Parameters(pixel_bits=4),
+        Parameters.profile("paper", pixel_bits=4),
         settings=Settings(constant=227, floor=1),
     )
     assert message == "constant is 227; allowed: whole numbers from 1 to 226"
@@ -122,7 +122,7 @@ def square() -> np.ndarray:
 
 @pytest.mark.parametrize("gradient", ["absolute", "signed"])
 def test_square_has_four_corners(gradient: str) -> None:
-    corners = detect(square(), profile("paper", gradient=gradient), ALL)
+    corners = detect(square(), Parameters.profile("paper", gradient=gradient), ALL)
     # square to half a pixel: the peak of D lies inside the corner
     assert sorted(zip(corners.x.tolist(), corners.y.tolist(), strict=True)) == [
         (12.5, 12.5),
@@ -137,8 +137,8 @@ def test_absolute_gradients_all_but_lose_edges_at_45_degrees() -> None:
     """I = 4 (y + |x|): gx = ±8 but 0 where x = 0, gy = -8; the kernel's middle column weighs 16/64."""
     y, x = np.mgrid[-10:11, -10:11]
     image = (60 + 4 * (y + np.abs(x))).astype(np.uint8)
-    absolute = response_map(image, Parameters(gradient="absolute"))
-    signed = response_map(image, Parameters(gradient="signed"))
+    absolute = response_map(image, Parameters.profile("paper", gradient="absolute"))
+    signed = response_map(image, Parameters.profile("paper", gradient="signed"))
     # A = 64 · 48/64, B = 64, and C = A, or 0 where its signs cancel
     assert (absolute[:, 7] == 48 + 64 - 97).all()  # isqrt(16² + 96²) = 97
     assert (signed[:, 7] == 48 + 64 - 16).all()
@@ -148,8 +148,8 @@ def test_absolute_gradients_all_but_lose_edges_at_45_degrees() -> None:
 
 @pytest.mark.parametrize("name", ["paper", "robust"])
 def test_rejected_corners_come_on_request_and_change_nothing_else(camera: np.ndarray, name: str) -> None:
-    everything = detect(camera, profile(name), Settings(report_rejected=True))
-    accepted = detect(camera, profile(name), Settings())
+    everything = detect(camera, Parameters.profile(name), Settings(report_rejected=True))
+    accepted = detect(camera, Parameters.profile(name), Settings())
     assert 0 < len(accepted) < len(everything)
     assert accepted.accepted.all()
     for field in ("x", "y", "response", "flags"):
@@ -158,7 +158,7 @@ def test_rejected_corners_come_on_request_and_change_nothing_else(camera: np.nda
 
 def test_corners_come_in_raster_order(camera: np.ndarray) -> None:
     corners = detect(camera, settings=ALL)
-    responses = response_map(camera, Parameters())
+    responses = response_map(camera, Parameters.profile("paper"))
     rows, columns = np.nonzero(
         corner_detection(responses[3:-3, 3:-3], int(corners.response.min()) - 1, "strict")
     )
@@ -171,7 +171,7 @@ def test_corners_come_in_raster_order(camera: np.ndarray) -> None:
 def test_strips_leave_no_seam(camera: np.ndarray, height: int) -> None:
     image = camera[200 : 200 + height, 180:240]
     a, b, c = (smooth(product) for product in products(*gradients(image), "signed"))
-    assert (response_map(image, Parameters(gradient="signed")) == response(a, b, c)).all()
+    assert (response_map(image, Parameters.profile("paper", gradient="signed")) == response(a, b, c)).all()
 
 
 @pytest.mark.parametrize("detector", [detect, reference_detect])

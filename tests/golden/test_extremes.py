@@ -11,9 +11,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from golden import Parameters, Settings, StreamModel
+from golden.algorithm import Fit, Gradient, Patches
 from golden.convolution import smooth
 from golden.detector import response_map
-from golden.parameters import Fit, Gradient, Patches
 from golden.preprocessing import gradients, products
 from golden.response import response
 from golden.subpixel import FITS, MANTISSA_BITS, derivative_bits, derivatives, mantissas
@@ -63,7 +63,7 @@ def largest(pixel_bits: int, gradient: Gradient) -> dict[str, int]:
             note("smoothed", smoothed)
         radicand = (a.astype(np.int64) - b) ** 2 + 4 * c.astype(np.int64) ** 2
         note("radicand", radicand)
-        responses = response_map(image, Parameters(pixel_bits=pixel_bits, gradient=gradient))
+        responses = response_map(image, Parameters.profile("paper", pixel_bits=pixel_bits, gradient=gradient))
         assert responses.min() >= 0
         note("response", responses)
         windows = sliding_window_view(responses, (9, 9))
@@ -76,7 +76,7 @@ def largest(pixel_bits: int, gradient: Gradient) -> dict[str, int]:
 @pytest.mark.parametrize("gradient", GRADIENTS)
 @pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
 def test_every_intermediate_keeps_its_width(pixel_bits: int, gradient: Gradient) -> None:
-    parameters = Parameters(pixel_bits=pixel_bits, gradient=gradient)
+    parameters = Parameters.profile("paper", pixel_bits=pixel_bits, gradient=gradient)
     seen = largest(pixel_bits, gradient)
     # these are reached: not one bit less would do
     assert seen["gradient"] == parameters.pixel_max
@@ -85,7 +85,7 @@ def test_every_intermediate_keeps_its_width(pixel_bits: int, gradient: Gradient)
     assert seen["radicand"].bit_length() == parameters.radicand_bits
     assert seen["response"] <= parameters.response_max < 1 << parameters.response_bits
     for patches in ("regions", "pixels"):
-        limit = Parameters(pixel_bits=pixel_bits, patches=patches)
+        limit = Parameters.profile("paper", pixel_bits=pixel_bits, patches=patches)
         assert seen[patches] <= limit.texture_max < 1 << limit.texture_bits
 
 
@@ -98,14 +98,14 @@ def test_clamp_of_the_response_is_reached_and_by_one_unit_only(gradient: Gradien
     a, b, c = (smooth(product).astype(np.int64) for product in products(*gradients(image), gradient))
     unclamped = a + b - np.floor(np.sqrt((a - b) ** 2 + 4 * c**2))
     assert unclamped.min() == -1
-    responses = response_map(image, Parameters(gradient=gradient))
+    responses = response_map(image, Parameters.profile("paper", gradient=gradient))
     assert (responses == np.maximum(unclamped, 0)).all()
 
 
 @pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
 def test_full_scale_of_absolute_gradients_is_half_of_all_products(pixel_bits: int) -> None:
     """Tensors of every pair of gradients that smoothing may see, mixed at random: the half without C is most."""
-    parameters = Parameters(pixel_bits=pixel_bits)
+    parameters = Parameters.profile("paper", pixel_bits=pixel_bits)
     top = parameters.pixel_max
     rng = np.random.default_rng(pixel_bits)
     kernel = np.outer([1, 2, 2, 2, 1], [1, 2, 2, 2, 1]).ravel()
@@ -124,7 +124,7 @@ def test_full_scale_of_absolute_gradients_is_half_of_all_products(pixel_bits: in
 @pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
 def test_full_scale_of_the_response_needs_its_top_bit(pixel_bits: int) -> None:
     # both gradients at full scale everywhere and their products' signs in balance: D comes close to A + B
-    parameters = Parameters(pixel_bits=pixel_bits, gradient="signed")
+    parameters = Parameters.profile("paper", pixel_bits=pixel_bits, gradient="signed")
     largest_response = max(int(response_map(image, parameters).max()) for _, image in extremes(pixel_bits))
     assert largest_response.bit_length() == parameters.response_bits
 
@@ -133,7 +133,7 @@ def test_full_scale_of_the_response_needs_its_top_bit(pixel_bits: int) -> None:
 @pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
 def test_records_of_extreme_images(pixel_bits: int, name: str) -> None:
     gradient: Gradient = "signed" if name == "robust" else "absolute"
-    parameters = Parameters(pixel_bits=pixel_bits, gradient=gradient)
+    parameters = Parameters.profile("paper", pixel_bits=pixel_bits, gradient=gradient)
     model = StreamModel(parameters)
     settings = Settings(sigma1=0.0, floor=1, constant=1, report_rejected=True)
     for title, image in extremes(pixel_bits):
@@ -149,7 +149,7 @@ def test_records_of_extreme_images(pixel_bits: int, name: str) -> None:
 @pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
 def test_every_number_of_the_subpixel_refinement_keeps_its_width(pixel_bits: int, fit: Fit) -> None:
     """Of the responses around any pixel, corner or not, and of random ones at both ends of their range."""
-    parameters = Parameters(pixel_bits=pixel_bits, gradient="signed", fit=fit)
+    parameters = Parameters.profile("paper", pixel_bits=pixel_bits, gradient="signed", fit=fit)
     patches = [np.random.default_rng(1).integers(0, 2, (5000, 3, 3)) * parameters.response_max]
     for _, image in extremes(pixel_bits):
         patches.append(sliding_window_view(response_map(image, parameters), (3, 3)).reshape(-1, 3, 3))

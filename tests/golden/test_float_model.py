@@ -8,7 +8,7 @@ the floor square root then adds less than 1. So -2 <= D - D_float < 3, and D's e
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from typing import Any
@@ -18,7 +18,7 @@ import pytest
 from hypothesis import given
 from numpy.typing import NDArray
 
-from golden import Corners, Parameters, Settings, detect, profile, reference, reference_detect
+from golden import Corners, Parameters, Settings, detect, float_model, reference_detect
 from golden.corner_detection import corner_detection
 from golden.detector import response_map
 from golden.normal_equations import normal_equations
@@ -32,7 +32,7 @@ from tests.support.strategies import detectors, images
 SPREAD = 5
 """Two responses' errors differ by less than this."""
 SETTINGS = Settings(sigma1=0.05, report_rejected=True)
-NINE = np.linalg.pinv(reference.design_matrix(reference.GRID_X, reference.GRID_Y))
+NINE = np.linalg.pinv(float_model.design_matrix(float_model.GRID_X, float_model.GRID_Y))
 """The nine-point fit as a matrix."""
 
 
@@ -44,7 +44,7 @@ def inside(values: NDArray[Any]) -> NDArray[Any]:
 def test_kernel_answers_an_impulse_and_a_constant() -> None:
     impulse = np.zeros((9, 9))
     impulse[4, 4] = 64
-    smoothed = reference.smooth(impulse)
+    smoothed = float_model.smooth(impulse)
     assert smoothed[2:7, 2:7].tolist() == [
         [1, 2, 2, 2, 1],
         [2, 4, 4, 4, 2],
@@ -53,15 +53,15 @@ def test_kernel_answers_an_impulse_and_a_constant() -> None:
         [1, 2, 2, 2, 1],
     ]
     assert np.isnan(smoothed[:2]).all() and np.isnan(smoothed[:, -2:]).all()
-    assert reference.smooth(np.full((5, 5), 0.3))[2, 2] == pytest.approx(0.3)
+    assert float_model.smooth(np.full((5, 5), 0.3))[2, 2] == pytest.approx(0.3)
 
 
 def test_maps_are_undefined_at_the_edges_only() -> None:
-    gx, gy = reference.gradients(np.zeros((20, 30), np.uint8))
+    gx, gy = float_model.gradients(np.zeros((20, 30), np.uint8))
     for values, edge in (
         (gx, 1),
         (gy, 1),
-        (reference.response_map(np.zeros((20, 30), np.uint8), "signed"), 3),
+        (float_model.response_map(np.zeros((20, 30), np.uint8), "signed"), 3),
     ):
         assert values.shape == (20, 30)
         assert not values[edge:-edge, edge:-edge].any()
@@ -72,34 +72,34 @@ def test_edges_at_45_degrees() -> None:
     """A = 48, B = 64, C = 48 or 0, as the golden model's test works out, but with the root unrounded."""
     y, x = np.mgrid[-10:11, -10:11]
     image = (60 + 4 * (y + np.abs(x))).astype(np.uint8)
-    assert reference.response_map(image, "absolute")[10, 10] == pytest.approx(112 - np.sqrt(16**2 + 96**2))
-    assert reference.response_map(image, "signed")[10, 10] == pytest.approx(96)
+    assert float_model.response_map(image, "absolute")[10, 10] == pytest.approx(112 - np.sqrt(16**2 + 96**2))
+    assert float_model.response_map(image, "signed")[10, 10] == pytest.approx(96)
 
 
 @pytest.mark.parametrize(("v", "u"), [(0, 1), (1, -1), (1, 0), (1, 1)])
 def test_ties_and_threshold(v: int, u: int) -> None:
     responses = np.zeros((20, 20))
     responses[9, 9] = 3.5
-    assert np.argwhere(reference.corner_map(responses, 3.0, "strict")).tolist() == [[9, 9]]
-    assert not reference.corner_map(responses, 3.5, "strict").any()
+    assert np.argwhere(float_model.corner_map(responses, 3.0, "strict")).tolist() == [[9, 9]]
+    assert not float_model.corner_map(responses, 3.5, "strict").any()
     responses[9 + v, 9 + u] = 3.5
-    assert not reference.corner_map(responses, 3.0, "strict").any()
-    assert np.argwhere(reference.corner_map(responses, 3.0, "first")).tolist() == [[9, 9]]
+    assert not float_model.corner_map(responses, 3.0, "strict").any()
+    assert np.argwhere(float_model.corner_map(responses, 3.0, "first")).tolist() == [[9, 9]]
 
 
 @pytest.mark.parametrize("fit", ["nine", "six"])
 def test_peak_of_a_paraboloid(fit: Any) -> None:
     y, x = np.mgrid[-1:2, -1:2]
     samples = 10 - 2 * (x - 0.3) ** 2 - 3 * (y + 0.2) ** 2 + (x - 0.3) * (y + 0.2)
-    coefficients = reference.surface(samples, fit)
+    coefficients = float_model.surface(samples, fit)
     assert coefficients[:3] == pytest.approx([-2, -3, 1])
-    assert reference.peak(coefficients) == pytest.approx((0.3, -0.2, 0))
+    assert float_model.peak(coefficients) == pytest.approx((0.3, -0.2, 0))
 
 
 def test_printed_formulas_do_not_find_it() -> None:
     y, x = np.mgrid[-1:2, -1:2]
-    coefficients = reference.surface(10 - (x - 0.3) ** 2 - (y + 0.2) ** 2, "printed")
-    dx, dy, flag = reference.peak(coefficients, printed=True)
+    coefficients = float_model.surface(10 - (x - 0.3) ** 2 - (y + 0.2) ** 2, "printed")
+    dx, dy, flag = float_model.peak(coefficients, printed=True)
     assert (round(dx, 2), dy, flag) == (-0.34, -0.5, 1)
     # even without the misprint L2 for L3 in Eq. 13
     l0, l1, l2, l3, l4, _ = coefficients
@@ -110,7 +110,9 @@ def test_printed_formulas_do_not_find_it() -> None:
 
 @given(images(), detectors(derivative="central"))
 def test_response_is_within_rounding(image: NDArray[np.uint8], parameters: Parameters) -> None:
-    error = response_map(image, parameters) - inside(reference.response_map(image, parameters.gradient))
+    error = response_map(image, parameters) - inside(
+        float_model.response_map(image, parameters.algorithm.gradient)
+    )
     assert error.min() >= -2
     assert error.max() < 3
 
@@ -119,7 +121,9 @@ def test_response_is_within_rounding(image: NDArray[np.uint8], parameters: Param
 def test_response_is_within_rounding_for_wide_pixels(
     image: NDArray[np.uint16], parameters: Parameters
 ) -> None:
-    error = response_map(image, parameters) - inside(reference.response_map(image, parameters.gradient))
+    error = response_map(image, parameters) - inside(
+        float_model.response_map(image, parameters.algorithm.gradient)
+    )
     assert error.min() >= -2 - 1e-6  # four times 20 + 6 bits, squared, no longer fit a float64
     assert error.max() < 3 + 1e-6
 
@@ -168,13 +172,13 @@ class Pair:
 
 @cache
 def both_models(name: str, profile_name: str) -> Pair:
-    photo, parameters = photograph(name), replace(profile(profile_name), **PLAIN)
-    exact = reference.response_map(photo, parameters.gradient)
+    photo, parameters = photograph(name), Parameters.profile(profile_name, **PLAIN)
+    exact = float_model.response_map(photo, parameters.algorithm.gradient)
     dref = max(int(np.nanmax(exact)), SETTINGS.floor)
     t1, _ = thresholds(SETTINGS, dref, parameters)
     found = np.zeros(photo.shape, dtype=bool)
     responses = response_map(photo, parameters)
-    found[7:-7, 7:-7] = corner_detection(responses[3:-3, 3:-3], t1, parameters.ties)
+    found[7:-7, 7:-7] = corner_detection(responses[3:-3, 3:-3], t1, parameters.algorithm.ties)
     return Pair(
         photo,
         parameters,
@@ -184,7 +188,7 @@ def both_models(name: str, profile_name: str) -> Pair:
         detect(photo, parameters, SETTINGS, reference=dref),
         reference_detect(photo, parameters, SETTINGS, reference=dref),
         found,
-        reference.corner_map(exact, SETTINGS.sigma1 * dref, parameters.ties),
+        float_model.corner_map(exact, SETTINGS.sigma1 * dref, parameters.algorithm.ties),
     )
 
 
@@ -205,14 +209,14 @@ def test_every_disagreement_about_a_corner_is_a_near_tie(pair: Pair) -> None:
 def test_every_disagreement_about_texture_is_near_the_threshold(pair: Pair) -> None:
     for y, x, g, f in pair.both():
         if pair.golden.accepted[g] != pair.floating.accepted[f]:
-            tau = reference.texturization(pair.exact, x, y, pair.parameters.patches)
+            tau = float_model.texturization(pair.exact, x, y, pair.parameters.algorithm.patches)
             # T2 itself is quantised: sigma2 to 2**-17 of at most 2**17, and rounded down
             assert abs(tau - SETTINGS.sigma2 * pair.dref) < 8 * SPREAD + 2
 
 
 def test_positions_of_common_corners_differ_by_mantissas_and_rounding(pair: Pair) -> None:
     common = list(pair.both())
-    by_gradients = pair.parameters.fit == "gradient"
+    by_gradients = pair.parameters.algorithm.fit == "gradient"
     if by_gradients:
         pixels = np.stack([pair.photo[y - 4 : y + 5, x - 4 : x + 5] for y, x, _, _ in common])
         by_mantissas = offset_bounds(normal_equations(pixels), pair.parameters)
@@ -248,20 +252,20 @@ def test_nearly_all_corners_of_all_photographs_agree(profile_name: str) -> None:
 
 @pytest.mark.parametrize("patches", ["regions", "pixels"])
 def test_texturization_is_within_rounding(camera: NDArray[np.uint8], patches: Any) -> None:
-    parameters = Parameters(patches=patches)
-    exact = reference.response_map(camera, parameters.gradient)
+    parameters = Parameters.profile("paper", patches=patches)
+    exact = float_model.response_map(camera, parameters.algorithm.gradient)
     golden_map = response_map(camera, parameters)
-    for y, x in np.argwhere(reference.corner_map(exact, 500.0, "strict")).tolist():
+    for y, x in np.argwhere(float_model.corner_map(exact, 500.0, "strict")).tolist():
         window = golden_map[y - 7 : y + 2, x - 7 : x + 2]
         tau = int(texturization(window, patches)) / parameters.pixels_per_region
         # eight differences of regions, each off by less than the spread
-        assert abs(tau - reference.texturization(exact, x, y, patches)) < 8 * SPREAD
+        assert abs(tau - float_model.texturization(exact, x, y, patches)) < 8 * SPREAD
 
 
 @pytest.mark.parametrize("fit", ["nine", "six"])
 @pytest.mark.parametrize("name", ["camera", "text"])
 def test_offsets_differ_by_mantissas_alone_on_the_same_responses(name: str, fit: Any) -> None:
-    parameters = Parameters(fit=fit)
+    parameters = Parameters.profile("paper", fit=fit)
     responses = response_map(photograph(name), parameters)
     rows, columns = np.nonzero(corner_detection(responses, 100, "strict"))
     patches = np.stack([responses[y : y + 3, x : x + 3] for y, x in zip(rows, columns, strict=True)])
@@ -269,9 +273,9 @@ def test_offsets_differ_by_mantissas_alone_on_the_same_responses(name: str, fit:
     scale = {"nine": 12, "six": 2}[fit]
     fitted = np.stack({"nine": fit_nine, "six": fit_six}[fit](patches), axis=-1)
     for k, patch in enumerate(patches.astype(np.float64)):
-        coefficients = reference.surface(patch, fit)
+        coefficients = float_model.surface(patch, fit)
         assert np.allclose(fitted[k], scale * coefficients[:5], rtol=0, atol=1e-6)
-        dx, dy, flag = reference.peak(coefficients)
+        dx, dy, flag = float_model.peak(coefficients)
         if np.isfinite(limits[k]):
             assert bool(flag & 2) == offset.not_maximum[k]
         assert abs(offset.dx[k] / 128 - dx) <= limits[k]

@@ -8,7 +8,7 @@ from hypothesis import given
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from golden import Parameters, Settings, detect, profile, reference, reference_detect
+from golden import Parameters, Settings, detect, float_model, reference_detect
 from golden.adaptive_threshold import LEVEL_GAIN, prominence
 from golden.detector import response_map
 from golden.preprocessing import gradients
@@ -23,12 +23,12 @@ LOW, HIGH = -2, 3
 
 
 def exact_responses(image: NDArray[np.uint8], parameters: Parameters) -> NDArray[np.float64]:
-    return reference.response_map(image, parameters.gradient, parameters.derivative)
+    return float_model.response_map(image, parameters.algorithm.gradient, parameters.algorithm.derivative)
 
 
 @given(images())
 def test_sobel_is_rounded_to_nearest(image: NDArray[np.uint8]) -> None:
-    exact = reference.gradients(image, "sobel")
+    exact = float_model.gradients(image, "sobel")
     for integer, floating in zip(gradients(image, "sobel"), exact, strict=True):
         assert (np.abs(integer - floating[1:-1, 1:-1]) <= 0.5).all()
 
@@ -54,7 +54,7 @@ def test_filtered_responses_and_what_the_threshold_leaves_of_them(
 ) -> None:
     responses, exact = response_map(image, parameters), exact_responses(image, parameters)
     filtered = response_filter(responses)[3:-3, 3:-3]
-    floating = reference.binomial(exact)[7:-7, 7:-7]
+    floating = float_model.binomial(exact)[7:-7, 7:-7]
     assert (filtered - floating > LOW - 0.5 - 1e-6).all() and (filtered - floating <= HIGH + 0.5 + 1e-6).all()
     windows = sliding_window_view(responses, (9, 9))
     means = sliding_window_view(exact[3:-3, 3:-3], (9, 9)).mean(axis=(-2, -1))
@@ -70,7 +70,7 @@ def test_filtered_responses_and_what_the_threshold_leaves_of_them(
 @pytest.mark.parametrize("name", [name for name in PHOTOGRAPHS if name not in FAINT])
 def test_the_profile_finds_what_float64_finds(name: str) -> None:
     """Rounded gradients decide a few ties otherwise, no more; common corners have nearly the same response."""
-    image, parameters, settings = photograph(name), profile("robust"), Settings(sigma1=0.03)
+    image, parameters, settings = photograph(name), Parameters.profile("robust"), Settings(sigma1=0.03)
     dref = max(int(response_map(image, parameters).max()), settings.floor)
     one = detect(image, parameters, settings, reference=dref)
     other = reference_detect(image, parameters, settings, reference=dref)
@@ -83,4 +83,4 @@ def test_the_profile_finds_what_float64_finds(name: str) -> None:
 
 
 def test_constants_are_the_golden_models() -> None:
-    assert reference.LEVEL_GAIN == LEVEL_GAIN
+    assert float_model.LEVEL_GAIN == LEVEL_GAIN

@@ -15,13 +15,14 @@ from golden.corner_detection import corner_detection
 from golden.detector import response_map
 from golden.float_model import gradient_step
 from golden.normal_equations import LARGEST, PIXEL_SIZE, largest, normal_equations
-from golden.parameters import Parameters, Settings, profile
+from golden.parameters import Parameters
+from golden.settings import Settings
 from golden.subpixel import Offset, derivative_bits, offset_limit, subpixel
 from golden.thresholds import thresholds
 from tests.support.offsets import exact_offsets, offset_bounds
 from tests.support.photographs import PHOTOGRAPHS, photograph
 
-STEP = profile("robust", fit="gradient")
+STEP = Parameters.profile("robust", fit="gradient")
 Y, X = np.mgrid[-4:5, -4:5]
 NO_RESPONSES = np.zeros((1, 3, 3), np.int32)
 Pixels = NDArray[np.uint8]
@@ -44,7 +45,7 @@ def windows() -> Pixels:
     for name in PHOTOGRAPHS:
         responses = response_map(photograph(name), STEP)
         t1, _ = thresholds(settings, max(int(responses.max()), settings.floor), STEP)
-        rows, columns = np.nonzero(corner_detection(responses[3:-3, 3:-3], t1, STEP.ties))
+        rows, columns = np.nonzero(corner_detection(responses[3:-3, 3:-3], t1, STEP.algorithm.ties))
         found.append(sliding_window_view(photograph(name), (PIXEL_SIZE, PIXEL_SIZE))[rows + 3, columns + 3])
     return np.concatenate(found)
 
@@ -92,7 +93,7 @@ def test_the_largest_response_is_not_the_corner_of_a_square_but_the_step_leads_t
     image = (((x > 30) & (y > 30)) * 160 + 40).astype(np.uint8)
     distances = {}
     for fit in ("nine", "gradient"):
-        parameters = profile("robust", fit=fit)
+        parameters = Parameters.profile("robust", fit=fit)
         responses = response_map(image, parameters)
         row, column = np.unravel_index(responses.argmax(), responses.shape)
         offset = subpixel(
@@ -185,7 +186,7 @@ def test_brightness_and_polarity_change_nothing(seed: int, brightness: int) -> N
 @given(st.integers(0, 2**32 - 1))
 def test_wider_pixels_of_the_same_values_change_nothing(seed: int) -> None:
     pixels = np.random.default_rng(seed).integers(0, 16, (4, 9, 9), dtype=np.uint16)
-    offsets = [step(pixels, profile("robust", pixel_bits=bits)) for bits in (4, 8, 10)]
+    offsets = [step(pixels, Parameters.profile("robust", pixel_bits=bits)) for bits in (4, 8, 10)]
     for field in ("dx", "dy", "clamped", "not_maximum"):
         assert all((getattr(offsets[0], field) == getattr(other, field)).all() for other in offsets[1:])
 
@@ -193,7 +194,7 @@ def test_wider_pixels_of_the_same_values_change_nothing(seed: int) -> None:
 @pytest.mark.parametrize("pixel_bits", range(4, 11))
 def test_bound_of_the_sums(pixel_bits: int) -> None:
     """Stripes along both diagonals have gx = ±gy of full size wherever their contrast is largest."""
-    parameters = profile("robust", pixel_bits=pixel_bits)
+    parameters = Parameters.profile("robust", pixel_bits=pixel_bits)
     assert LARGEST == 168 and largest(parameters) == 168 * parameters.product_max
     assert derivative_bits(parameters) == largest(parameters).bit_length()
     rng = np.random.default_rng(pixel_bits)

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import FrozenInstanceError, replace
+from collections.abc import Callable
+from dataclasses import FrozenInstanceError
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from golden import StreamModel, check_image, detect
-from golden.parameters import MAX_SIDE, OPTIONS, PROFILES, Gradient, Parameters, Settings, profile
+from golden.algorithm import DEFAULT_PROFILE, PROFILES, Algorithm, Gradient
+from golden.formats import MAX_SIDE
+from golden.parameters import UNMENTIONED, Parameters
+from golden.settings import Settings
 from golden.video import VideoSettings
 
 RANGES = {
     "pixel_bits": (4, 10),
     "max_width": (15, 8192),
     "max_height": (15, 8192),
-    "sqrt_bits_per_stage": (1, 17),
 }
 CHOICES = {
     "gradient": ("absolute", "signed"),
@@ -27,11 +30,10 @@ CHOICES = {
     "fit": ("nine", "six", "printed", "gradient"),
     "texture": ("patches", "mean"),
     "patches": ("regions", "pixels"),
-    "buffering": ("banked", "lean"),
 }
 
 
-def refusal(cls: type, **fields: Any) -> str:
+def refusal(cls: Callable[..., Any], **fields: Any) -> str:
     with pytest.raises(ValueError) as caught:
         cls(**fields)
     message = str(caught.value)
@@ -43,18 +45,18 @@ def refusal(cls: type, **fields: Any) -> str:
 def test_whole_numbers_of_parameters(field: str) -> None:
     low, high = RANGES[field]
     for value in (low, high):
-        assert getattr(Parameters(**{field: value}), field) == value
+        assert Parameters.profile("paper", **{field: value}).described.get(field, value) == value
     for value in (low - 1, high + 1, float(low), "8", None, True):
-        message = refusal(Parameters, **{field: value})
+        message = refusal(Parameters.profile, name="paper", **{field: value})
         assert message == f"{field} is {value!r}; allowed: whole numbers from {low} to {high}"
 
 
 @pytest.mark.parametrize("field", CHOICES)
 def test_choices_of_parameters(field: str) -> None:
     for value in CHOICES[field]:
-        assert getattr(Parameters(**{field: value}), field) == value
+        assert Parameters.profile("paper", **{field: value}).described.get(field, value) == value
     for value in ("other", "", None, 1, CHOICES[field][0].upper()):
-        message = refusal(Parameters, **{field: value})
+        message = refusal(Parameters.profile, name="paper", **{field: value})
         assert message == f"{field} is {value!r}; allowed: {', '.join(CHOICES[field])}"
 
 
@@ -76,12 +78,12 @@ def test_sigmas_that_would_be_nothing(field: str, value: float) -> None:
 @pytest.mark.parametrize("value", [2**-16, 0.1, 0.1249, 1.876, 5, 15.9])
 def test_weights_that_the_local_mean_cannot_have(value: float) -> None:
     settings = Settings(sigma2=value)
-    settings.check(Parameters())
+    settings.check(Parameters.profile("paper"))
     for call in (
-        lambda: settings.check(profile("robust")),
-        lambda: detect(np.zeros((20, 20), np.uint8), profile("robust"), settings),
-        lambda: StreamModel(profile("robust")).process(np.zeros((20, 20), np.uint8), settings),
-        lambda: VideoSettings(20, 20, settings).check(profile("robust")),
+        lambda: settings.check(Parameters.profile("robust")),
+        lambda: detect(np.zeros((20, 20), np.uint8), Parameters.profile("robust"), settings),
+        lambda: StreamModel(Parameters.profile("robust")).process(np.zeros((20, 20), np.uint8), settings),
+        lambda: VideoSettings(20, 20, settings).check(Parameters.profile("robust")),
     ):
         with pytest.raises(ValueError) as caught:
             call()
@@ -95,9 +97,11 @@ def test_weights_that_the_local_mean_cannot_have(value: float) -> None:
 )
 def test_what_sigma2_is_rounded_to(value: float, eighths: int, plain: float) -> None:
     settings = Settings(sigma2=value)
-    settings.check(profile("robust"))
-    assert settings.sigma2_used(profile("robust")) == eighths / 8 and settings.mean_weight == eighths
-    assert settings.sigma2_used(Parameters()) == plain
+    settings.check(Parameters.profile("robust"))
+    assert (
+        settings.sigma2_used(Parameters.profile("robust")) == eighths / 8 and settings.mean_weight == eighths
+    )
+    assert settings.sigma2_used(Parameters.profile("paper")) == plain
 
 
 @pytest.mark.parametrize("field", ["constant", "floor"])
@@ -126,7 +130,7 @@ def test_settings_are_checked_against_the_detector(field: str) -> None:
         (10, "absolute", 1046530),
         (10, "signed", 2093058),
     ):
-        parameters = Parameters(pixel_bits=pixel_bits, gradient=cast(Gradient, gradient))
+        parameters = Parameters.profile("paper", pixel_bits=pixel_bits, gradient=cast(Gradient, gradient))
         Settings(**{field: limit, other: 1}).check(parameters)
         if limit < 2093058:
             with pytest.raises(ValueError, match=f"^{field} is {limit + 1}; allowed: .* 1 to {limit}$"):
@@ -134,11 +138,11 @@ def test_settings_are_checked_against_the_detector(field: str) -> None:
 
 
 def test_default_settings_fit_every_detector() -> None:
-    assert Settings.default(Parameters()) == Settings()
+    assert Settings.default(Parameters.profile("paper")) == Settings()
     for pixel_bits in range(4, 11):
-        parameters = Parameters(pixel_bits=pixel_bits)
+        parameters = Parameters.profile("paper", pixel_bits=pixel_bits)
         Settings.default(parameters).check(parameters)
-    four = Settings.default(Parameters(pixel_bits=4), sigma1=0.5, floor=3)
+    four = Settings.default(Parameters.profile("paper", pixel_bits=4), sigma1=0.5, floor=3)
     assert four == Settings(sigma1=0.5, constant=32, floor=3)
 
 
@@ -187,7 +191,7 @@ def test_number_formats_by_hand(
     """``absolute`` and ``signed``: bits and full scale of the response of either gradient."""
     gradients: tuple[tuple[Gradient, tuple[int, int]], ...] = (("absolute", absolute), ("signed", signed))
     for gradient, response in gradients:
-        parameters = Parameters(pixel_bits=pixel_bits, gradient=gradient)
+        parameters = Parameters.profile("paper", pixel_bits=pixel_bits, gradient=gradient)
         assert (parameters.pixel_max, parameters.product_bits) == (pixel_max, product_bits)
         assert (parameters.product_max, parameters.root_bits) == (product_max, root_bits)
         assert (parameters.response_bits, parameters.response_max) == response
@@ -195,7 +199,10 @@ def test_number_formats_by_hand(
 
 
 def test_texture_formats_by_hand() -> None:
-    regions, pixels = Parameters(), Parameters(patches="pixels", gradient="signed")
+    regions, pixels = (
+        Parameters.profile("paper"),
+        Parameters.profile("paper", patches="pixels", gradient="signed"),
+    )
     assert (regions.pixels_per_region, regions.texture_max, regions.texture_bits) == (9, 72 * 65026, 23)
     assert (pixels.pixels_per_region, pixels.texture_max, pixels.texture_bits) == (1, 8 * 130050, 20)
 
@@ -205,44 +212,47 @@ def test_largest_side_fits_a_record() -> None:
 
 
 def test_profiles() -> None:
-    assert PROFILES["paper"] == Parameters()
-    robust = Parameters(
+    assert PROFILES["paper"] == Algorithm() == Parameters.profile("paper").algorithm
+    assert Parameters() == Parameters.profile(DEFAULT_PROFILE) == Parameters.profile("robust")
+    robust = Parameters.profile(
+        "paper",
         gradient="signed",
         derivative="sobel",
         response_filter="binomial",
         ties="first",
         fit="gradient",
         texture="mean",
-        buffering="lean",
     )
-    assert profile("robust") == robust
-    assert profile("robust", fit="six", max_width=640) == replace(robust, fit="six", max_width=640)
+    assert Parameters.profile("robust") == robust
+    assert Parameters.profile("robust", fit="six", max_width=640) == robust.changed(fit="six", max_width=640)
     with pytest.raises(ValueError, match=r"^profile is 'fast'; allowed: paper, robust$"):
-        profile("fast")
+        Parameters.profile("fast")
     with pytest.raises(ValueError, match=r"^fit is 'ten'; allowed: nine, six, printed, gradient$"):
-        profile("paper", fit="ten")
+        Parameters.profile("paper", fit="ten")
 
 
 def test_options_nobody_asked_for_are_not_described() -> None:
-    described = Parameters().described
-    assert described["gradient"] == "absolute" and not OPTIONS & set(described)
-    other = profile("robust", response_filter="none").described
-    assert OPTIONS & set(other) == {"derivative", "texture"} and other["derivative"] == "sobel"
+    described = Parameters.profile("paper").described
+    assert described["gradient"] == "absolute" and not UNMENTIONED & set(described)
+    other = Parameters.profile("robust", response_filter="none").described
+    assert UNMENTIONED & set(other) == {"derivative", "texture"} and other["derivative"] == "sobel"
 
 
 def test_frozen() -> None:
     with pytest.raises(FrozenInstanceError):
-        Parameters().fit = "six"
+        Parameters.profile("paper").pixel_bits = 4
+    with pytest.raises(FrozenInstanceError):
+        Algorithm().fit = "six"
     with pytest.raises(FrozenInstanceError):
         Settings().sigma1 = 0.5
 
 
 def test_numpys_integers_are_as_good_as_pythons() -> None:
-    assert Parameters(max_width=np.int64(640)) == Parameters(max_width=640)
-    assert type(Parameters(max_width=np.int64(640)).max_width) is int
+    assert Parameters.profile("paper", max_width=np.int64(640)) == Parameters.profile("paper", max_width=640)
+    assert type(Parameters.profile("paper", max_width=np.int64(640)).max_width) is int
     assert type(Settings(constant=np.uint16(5)).constant) is int
 
 
 def test_only_plain_arrays_are_images() -> None:
     with pytest.raises(TypeError, match="image is a MaskedArray; allowed: a plain NumPy array"):
-        check_image(np.ma.MaskedArray(np.zeros((20, 20), np.uint8)), Parameters())
+        check_image(np.ma.MaskedArray(np.zeros((20, 20), np.uint8)), Parameters.profile("paper"))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from golden.parameters import Gradient
+from golden.algorithm import Gradient
 from golden.preprocessing import gradients, products
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden import Settings, detect, profile
-from golden.parameters import ResponseFilter
+from golden import Parameters, Settings, detect
+from golden.algorithm import ResponseFilter
 from golden.response_filter import response_filter
 
 
@@ -44,7 +44,7 @@ def test_a_saddle_has_one_corner_and_two_without() -> None:
     image = np.round(fine.reshape(31, 4, 31, 4).mean(axis=(1, 3))).astype(np.uint8)
     kinds: tuple[ResponseFilter, ...] = ("none", "binomial")
     alone, smoothed = (
-        detect(image, profile("robust", response_filter=kind), Settings(sigma1=0.3, sigma2=0))
+        detect(image, Parameters.profile("robust", response_filter=kind), Settings(sigma1=0.3, sigma2=0))
         for kind in kinds
     )
     assert (len(alone), len(smoothed)) == (2, 1)

@@ -20,7 +20,7 @@ def test_around_every_square_up_to_2_to_17() -> None:
 
 
 def test_around_every_square_of_ten_bit_pixels() -> None:
-    k = np.arange(1, 1 << Parameters(pixel_bits=10).response_bits, dtype=np.int64)
+    k = np.arange(1, 1 << Parameters.profile("paper", pixel_bits=10).response_bits, dtype=np.int64)
     for radicand, root in ((k * k, k), (k * k - 1, k - 1), (k * k + 2 * k, k)):
         assert (floor_sqrt(radicand.astype(np.float64)) == root).all()
 

@@ -6,17 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from golden import (
-    Corners,
-    Parameters,
-    Settings,
-    StreamModel,
-    check_image,
-    decode,
-    decode_frame_end,
-    detect,
-    profile,
-)
+from golden import Corners, Parameters, Settings, StreamModel, check_image, decode, decode_frame_end, detect
 from golden.detector import response_map
 from tests.support.photographs import photograph
 
@@ -46,7 +36,7 @@ def test_first_frame_uses_the_constant_and_the_second_the_first_ones_maximum(
     previous = 3000
     for image in frames:
         result = model.process(image, settings)
-        assert result.maximum == response_map(image, Parameters()).max()
+        assert result.maximum == response_map(image, Parameters.profile("paper")).max()
         assert result.maximum != previous
         assert same(result.corners, detect(image, settings=settings, reference=previous))
         assert not same(result.corners, detect(image, settings=settings, reference=result.maximum))
@@ -124,7 +114,7 @@ def test_frame_never_changes_the_next_but_through_its_maximum(frames: list[NDArr
 
 def test_default_settings_follow_the_pixel_width() -> None:
     image = photograph("camera")[:80, :80] >> 4
-    model = StreamModel(Parameters(pixel_bits=4))
+    model = StreamModel(Parameters.profile("paper", pixel_bits=4))
     first, second = model.process(image), model.process(image)
     assert same(first.corners, detect(image, model.parameters, reference=32))
     assert same(second.corners, detect(image, model.parameters))
@@ -132,7 +122,7 @@ def test_default_settings_follow_the_pixel_width() -> None:
 
 @pytest.mark.parametrize("name", ["paper", "robust"])
 def test_still_scene_settles_in_the_second_frame(photo: NDArray[np.uint8], name: str) -> None:
-    parameters = profile(name)
+    parameters = Parameters.profile(name)
     image = check_image(photo, parameters)
     model = StreamModel(parameters)
     model.process(image, EVERYTHING)

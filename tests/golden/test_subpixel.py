@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from golden.algorithm import Fit
 from golden.corner_detection import corner_detection
 from golden.detector import response_map
-from golden.parameters import Fit, Parameters, Settings, profile
+from golden.parameters import Parameters
+from golden.settings import Settings
 from golden.subpixel import (
     MANTISSA_BITS,
     Derivatives,
@@ -77,7 +79,7 @@ def test_fit_recovers_the_coefficients_of_a_paraboloid(fit, scale: int) -> None:
 
 @pytest.mark.parametrize("fit", ["nine", "six"])
 def test_fit_recovers_the_peak_of_a_paraboloid(fit: Fit) -> None:
-    patches, parameters = samples(*PEAK_AT_03_02)[None], Parameters(fit=fit)
+    patches, parameters = samples(*PEAK_AT_03_02)[None], Parameters.profile("paper", fit=fit)
     offset = subpixel(patches, parameters)
     # 38.4 and -25.6 of 128
     assert (offset.dx[0], offset.dy[0]) == (38, -26)
@@ -94,7 +96,7 @@ def test_printed_formulas_do_not_recover_it() -> None:
     assert round((2 * l0 * l4 - l2 * l3) / denominator, 2) == -0.54
     # with the misprint of Eq. 13 too
     assert round((2 * l1 * l2 - l2 * l4) / denominator, 2) == -0.34
-    offset = subpixel(patch[None], Parameters(fit="printed"))
+    offset = subpixel(patch[None], Parameters.profile("paper", fit="printed"))
     assert abs(offset.dx[0] / 128 + 0.34) < 0.01
     assert (offset.dy[0], offset.clamped[0], offset.not_maximum[0]) == (-64, True, False)
 
@@ -141,7 +143,7 @@ def test_printed_is_the_product_of_the_papers_matrices() -> None:
 
 @pytest.mark.parametrize("fit", ["nine", "six"])
 def test_height_does_not_matter(fit: Fit) -> None:
-    parameters = Parameters(fit=fit)
+    parameters = Parameters.profile("paper", fit=fit)
     low, high = samples(-100, -70, 20, 31, -17, 0), samples(-100, -70, 20, 31, -17, 2000000)
     assert subpixel(low[None], parameters).dx == subpixel(high[None], parameters).dx
     assert subpixel(low[None], parameters).dy == subpixel(high[None], parameters).dy
@@ -269,7 +271,7 @@ def random_peaks(pixel_bits: int, top: int) -> NDArray[np.int64]:
 @pytest.mark.parametrize("fit", ["nine", "six"])
 @pytest.mark.parametrize("pixel_bits", [4, 8, 10])
 def test_error_of_random_peaks(pixel_bits: int, fit: Fit) -> None:
-    parameters = Parameters(pixel_bits=pixel_bits, fit=fit, gradient="signed")
+    parameters = Parameters.profile("paper", pixel_bits=pixel_bits, fit=fit, gradient="signed")
     for top in (30, 1000):
         errors(random_peaks(pixel_bits, min(top, parameters.response_max)), parameters)
     patches = random_peaks(pixel_bits, parameters.response_max)
@@ -283,12 +285,12 @@ def test_error_of_random_peaks(pixel_bits: int, fit: Fit) -> None:
 @cache
 def candidates(profile_name: str, fit: Fit) -> tuple[Parameters, NDArray[np.int32]]:
     """The 3x3 responses of every corner of the photographs, by the default thresholds."""
-    parameters = profile(profile_name, fit=fit)
+    parameters = Parameters.profile(profile_name, fit=fit)
     settings, patches = Settings.default(parameters), []
     for name in PHOTOGRAPHS:
         responses = response_map(photograph(name), parameters)
         t1, _ = thresholds(settings, max(int(responses.max()), settings.floor), parameters)
-        corners = corner_detection(responses, t1, parameters.ties)
+        corners = corner_detection(responses, t1, parameters.algorithm.ties)
         patches.append(sliding_window_view(responses, (3, 3))[corners])
     return parameters, np.concatenate(patches)
 
@@ -316,7 +318,7 @@ def test_error_of_photographs_corners(profile_name: str, fit: Fit) -> None:
 @given(st.integers(0, 2**32 - 1), st.sampled_from([10, 130050, 2093058]))
 def test_turning_the_samples_turns_the_nine_point_offset(seed: int, top: int) -> None:
     """Exchanging x and y is exact; a mirror is not, as negative mantissas are cut downwards too."""
-    parameters = Parameters(pixel_bits=10)
+    parameters = Parameters.profile("paper", pixel_bits=10)
     patches = np.random.default_rng(seed).integers(0, top // 2, (20, 3, 3), dtype=np.int32)
     patches[:, 1, 1] += top // 2
     whole = subpixel(patches, parameters)
@@ -351,7 +353,7 @@ def test_mirrored_corners_of_photographs_are_one_unit_off_at_most(profile_name: 
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["nine", "six"]), st.integers(1, 8))
 def test_powers_of_two_change_nothing(seed: int, fit: Fit, bits: int) -> None:
     """Contrast does not matter, as soon as the largest derivative fills its mantissa."""
-    parameters = Parameters(pixel_bits=10, fit=fit)
+    parameters = Parameters.profile("paper", pixel_bits=10, fit=fit)
     rng = np.random.default_rng(seed)
     patches = rng.integers(0, parameters.response_max >> (bits + rng.integers(0, 3)), (20, 3, 3))
     values = derivatives((fit_nine if fit == "nine" else fit_six)(patches))
@@ -365,7 +367,10 @@ def test_powers_of_two_change_nothing(seed: int, fit: Fit, bits: int) -> None:
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["nine", "six", "printed"]))
 def test_wider_pixels_of_the_same_values_change_nothing(seed: int, fit: Fit) -> None:
     patches = np.random.default_rng(seed).integers(0, 450, (20, 3, 3), endpoint=True)
-    formats = [Parameters(pixel_bits=pixel_bits, fit=fit, gradient="signed") for pixel_bits in (4, 8, 10)]
+    formats = [
+        Parameters.profile("paper", pixel_bits=pixel_bits, fit=fit, gradient="signed")
+        for pixel_bits in (4, 8, 10)
+    ]
     offsets = [subpixel(patches, parameters) for parameters in formats]
     for field in ("dx", "dy", "clamped", "not_maximum"):
         assert all((getattr(offsets[0], field) == getattr(other, field)).all() for other in offsets[1:])
@@ -375,7 +380,7 @@ def test_wider_pixels_of_the_same_values_change_nothing(seed: int, fit: Fit) -> 
 def test_derivative_bits_are_reached(fit: Fit) -> None:
     """Of all patches of nothing but 0 and full scale: not one bit less would do."""
     for pixel_bits in range(4, 11):
-        parameters = Parameters(pixel_bits=pixel_bits, fit=fit)
+        parameters = Parameters.profile("paper", pixel_bits=pixel_bits, fit=fit)
         corners = np.array(np.unravel_index(np.arange(512), (2,) * 9)).T.reshape(-1, 3, 3)
         fits = {"nine": fit_nine, "six": fit_six, "printed": fit_printed}
         values = derivatives(fits[fit](corners * parameters.response_max))

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from golden.parameters import Parameters, Patches
+from golden.algorithm import Patches
+from golden.parameters import Parameters
 from golden.texture_filter import patch, texture_filter, texturization
 
 
@@ -86,7 +87,7 @@ def test_ramp() -> None:
 @pytest.mark.parametrize("patches", ["regions", "pixels"])
 @pytest.mark.parametrize("pixel_bits", [4, 8, 10])
 def test_largest_tau_is_what_the_parameters_say(patches: Patches, pixel_bits: int) -> None:
-    parameters = Parameters(pixel_bits=pixel_bits, patches=patches)
+    parameters = Parameters.profile("paper", pixel_bits=pixel_bits, patches=patches)
     stripes = np.zeros((9, 9), np.int32)
     stripes[::2] = parameters.response_max  # one step along a diagonal is one row: always the other stripe
     assert tau(stripes, patches) == parameters.texture_max

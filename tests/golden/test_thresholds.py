@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.parameters import Parameters, Reference, Settings
+from golden.parameters import Parameters
+from golden.settings import Reference, Settings
 from golden.thresholds import choose_reference, thresholds
 
 
@@ -46,8 +47,8 @@ def test_reference(
 )
 def test_products(sigma1: float, sigma2: float, reference: int, t1: int, t2: int, t2_pixels: int) -> None:
     settings = Settings(sigma1=sigma1, sigma2=sigma2)
-    assert thresholds(settings, reference, Parameters()) == (t1, t2)
-    assert thresholds(settings, reference, Parameters(patches="pixels")) == (t1, t2_pixels)
+    assert thresholds(settings, reference, Parameters.profile("paper")) == (t1, t2)
+    assert thresholds(settings, reference, Parameters.profile("paper", patches="pixels")) == (t1, t2_pixels)
 
 
 @given(
@@ -61,6 +62,6 @@ def test_rounding_down_t1_decides_nothing_and_t2_at_most_one_unit(
     sigma1: float, sigma2: float, reference: int, response: int
 ) -> None:
     settings = Settings(sigma1=sigma1, sigma2=sigma2)
-    t1, t2 = thresholds(settings, reference, Parameters())
+    t1, t2 = thresholds(settings, reference, Parameters.profile("paper"))
     assert (response > t1) == (response > Fraction(settings.sigma1_fixed * reference, 1 << 16))
     assert 0 <= Fraction(9 * settings.sigma2_fixed * reference, 1 << 16) - t2 < 1

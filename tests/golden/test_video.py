@@ -16,7 +16,7 @@ from tests.support.malformed import FAULTS, Beats, Fault, texture, whole
 WIDTH, HEIGHT = 36, 28
 LATE = 24 * WIDTH + 20
 """Pixels of a frame that is cut so late that corners have come of it."""
-PARAMETERS = Parameters(max_width=40, max_height=30)
+PARAMETERS = Parameters.profile("paper", max_width=40, max_height=30)
 SETTINGS = Settings(sigma1=0.02, sigma2=2.0)
 VIDEO = VideoSettings(WIDTH, HEIGHT, SETTINGS)
 BLACK = [(0, False, False)]

@@ -16,14 +16,13 @@ from golden import (
     decode,
     decode_frame_end,
     detect,
-    profile,
     reference_detect,
 )
 from golden.video import VideoModel, VideoSettings
 
 IMAGE = np.zeros((20, 20), np.uint8)
 VIDEO = VideoSettings(20, 20, Settings())
-PLAIN: Any = Parameters()
+PLAIN: Any = Parameters.profile("paper")
 SET: Any = Settings()
 ANY: Any = VideoModel(PLAIN)
 
@@ -58,8 +57,8 @@ WORDS = "records have dtype {}; allowed: uint64"
         (lambda: ANY.feed([], SET), "video is a Settings; allowed: VideoSettings"),
         (lambda: ANY.feed([], VideoSettings(20, 20, PLAIN)), SETTINGS.format("Parameters")),
         (lambda: ANY.feed([], VideoSettings(20, 20, SET, 1)), "enabled is a int; allowed: bool"),
-        (lambda: profile(5), "profile is a int; allowed: str"),
-        (lambda: profile(["paper"]), "profile is a list; allowed: str"),
+        (lambda: Parameters.profile(5), "profile is a int; allowed: str"),
+        (lambda: Parameters.profile(["paper"]), "profile is a list; allowed: str"),
         (lambda: decode([1]), "records are a list; allowed: a NumPy array of uint64"),
         (lambda: decode(np.zeros(2)), WORDS.format("float64")),
         (lambda: decode(np.array([-1])), WORDS.format("int64")),
@@ -86,7 +85,10 @@ def test_types(call: Callable[[], Any], message: str) -> None:
         (lambda: reference_detect(IMAGE, reference=float("nan")), "reference is nan; allowed: 0 to 65026"),
         (lambda: ANY.feed([(256, True, False)], VIDEO), "pixel is 256; allowed: whole numbers from 0 to 255"),
         (lambda: ANY.feed([(1.5, True, False)], VIDEO), "pixel is 1.5; allowed: whole numbers from 0 to 255"),
-        (lambda: Parameters(fit=np.array(["six", "nine"])), "fit is array.*; allowed: nine, six"),
+        (
+            lambda: Parameters.profile("paper", fit=np.array(["six", "nine"])),
+            "fit is array.*; allowed: nine, six",
+        ),
     ],
 )
 def test_values(call: Callable[[], Any], message: str) -> None:

@@ -14,13 +14,14 @@ from hypothesis import strategies as st
 from golden.adaptation import COUNT_MAX, adapted_threshold, bin_edges, bins, histogram, smoothed
 from golden.parameters import Parameters
 from hdl.adaptation import Adaptation
+from hdl.build import Build
 from tests.support.blocks import Array
 
 PARAMETERS = [
-    Parameters(budget=True),
-    Parameters(budget=True, gradient="signed"),
-    Parameters(budget=True, pixel_bits=4),
-    Parameters(budget=True, gradient="signed", pixel_bits=10),
+    Build.profile("paper", budget=True),
+    Build.profile("paper", budget=True, gradient="signed"),
+    Build.profile("paper", budget=True, pixel_bits=4),
+    Build.profile("paper", budget=True, gradient="signed", pixel_bits=10),
 ]
 IDS = ["8 bits", "8 bits signed", "4 bits", "10 bits signed"]
 Frame = tuple[Array, int]

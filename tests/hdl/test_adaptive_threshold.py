@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,11 @@ from amaranth.lib.wiring import In, Out
 from numpy.lib.stride_tricks import sliding_window_view
 
 from golden.adaptive_threshold import adaptive_threshold, local_level, prominence
-from golden.parameters import Parameters, ResponseFilter
+from golden.algorithm import ResponseFilter
+from golden.parameters import Parameters
 from golden.response_filter import response_filter
 from hdl.adaptive_threshold import AdaptiveThreshold
+from hdl.build import Build
 from hdl.centre_rows import CentreRows
 from hdl.response_filter import ResponseFilter as ResponseFilterBlock
 from hdl.texture_filter import TextureFilter
@@ -47,7 +48,9 @@ both = pytest.mark.parametrize("kind", FILTERS)
 
 
 def built(kind: ResponseFilter, pixel_bits: int = 8) -> Parameters:
-    return Parameters(texture="mean", gradient="signed", response_filter=kind, pixel_bits=pixel_bits)
+    return Build.profile(
+        "paper", texture="mean", gradient="signed", response_filter=kind, pixel_bits=pixel_bits
+    )
 
 
 FULL = built("none").response_max
@@ -58,7 +61,7 @@ class InStep(wiring.Component):
 
     def __init__(self, parameters: Parameters) -> None:
         self.block = AdaptiveThreshold(parameters)
-        filtered = parameters.response_filter == "binomial"
+        filtered = parameters.algorithm.response_filter == "binomial"
         self._centres = ResponseFilterBlock(parameters) if filtered else CentreRows(parameters)
         super().__init__(
             {
@@ -151,7 +154,7 @@ def test_centres_of_more_rows(radius: int) -> None:
     frames = noise([(25, 30), (9, 9), (14, 9)], FULL)
     limits = [(between(frame, "binomial", 4), 4) for frame in frames]
     given, expected = streams("binomial", frames, limits)
-    parameters = replace(built("binomial"), fit="gradient", suppression=radius)
+    parameters = built("binomial").changed(fit="gradient", suppression=radius)
     for stalls in (NO_STALLS, Stalls(inputs=0.3, outputs=0.4, seed=13)):
         run(engine("compiled", InStep, parameters), given, expected, stalls)
 

@@ -12,7 +12,9 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.sim import Simulator
 
-from golden.parameters import BUDGET_BITS, MARGIN, Parameters
+from golden.formats import BUDGET_BITS, MARGIN
+from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.candidate_selection import INSIDE, CandidateSelection, note_layout
 from hdl.derivatives import derivatives_layout
 from sim.engine import EngineName
@@ -31,7 +33,7 @@ from tests.support.blocks import (
     unpack,
 )
 
-PARAMETERS = Parameters()
+PARAMETERS = Build.profile("paper")
 FULL = PARAMETERS.response_max
 SURFACE = derivatives_layout(PARAMETERS)
 CENTRE = data.StructLayout(
@@ -46,7 +48,7 @@ CENTRE = data.StructLayout(
     }
 )
 
-CANDIDATES = Parameters().queue_depth
+CANDIDATES = Build.profile("paper").queue_depth
 NOTES = CANDIDATES + INSIDE
 
 
@@ -246,7 +248,7 @@ def test_limit(most: int, stalls: Stalls) -> None:
     centre = centres(sizes, (0.3, 0.4, 0.7))
     # not two in two clocks, which cannot be
     centre["corner"][1::2] = False
-    capture = engine("compiled", InStep, Parameters(budget=True)).run(
+    capture = engine("compiled", InStep, Build.profile("paper", budget=True)).run(
         Stimulus({"i": pack(CENTRE, centre)}, [(0, {"max_corners": most})], stalls), quiet=500
     )
     notes = unpack(note_layout(PARAMETERS), capture.outputs["note"])

@@ -13,8 +13,8 @@ from amaranth.lib.wiring import In, Out
 
 from golden.convolution import smooth
 from golden.detector import RESPONSE_MARGIN, response_map
-from golden.parameters import Parameters
 from golden.preprocessing import gradients, products
+from hdl.build import Build
 from hdl.centre_pixels import COLUMNS_BACK, CentrePixels
 from hdl.convolution import Convolution, products_layout
 from hdl.parts.stream import Beat, Columns
@@ -24,7 +24,7 @@ from sim.stimulus import Stalls
 from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, columns, engine, noise, pack, raster, run
 
 SIZES = [(15, 15), (9, 40), (7, 8), (20, 23)]
-BEAT = Beat(data.StructLayout({"a": products_layout(Parameters())["a"].shape, "pixel": 8}))
+BEAT = Beat(data.StructLayout({"a": products_layout(Build.profile("paper"))["a"].shape, "pixel": 8}))
 
 
 class Beside(wiring.Component):
@@ -37,8 +37,8 @@ class Beside(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        first, second = Preprocessing(Parameters()), Convolution(Parameters())
-        pixels = CentrePixels(Parameters(), first.latency + second.latency)
+        first, second = Preprocessing(Build.profile("paper")), Convolution(Build.profile("paper"))
+        pixels = CentrePixels(Build.profile("paper"), first.latency + second.latency)
         m.submodules += [first, second, pixels]
         wiring.connect(m, wiring.flipped(self.i), first.i)
         wiring.connect(m, first.o, second.i)
@@ -71,4 +71,4 @@ def test_pixels_keep_step_with_products(name: EngineName, stalls: Stalls) -> Non
 def test_the_centre_is_as_far_back_as_the_responses_margin() -> None:
     assert COLUMNS_BACK == RESPONSE_MARGIN
     image = np.zeros((15, 15), np.uint8)
-    assert response_map(image, Parameters()).shape == (15 - 2 * COLUMNS_BACK,) * 2
+    assert response_map(image, Build.profile("paper")).shape == (15 - 2 * COLUMNS_BACK,) * 2

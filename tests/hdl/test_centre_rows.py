@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.centre_rows import CentreRows
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
@@ -27,13 +27,13 @@ from tests.support.blocks import (
     unpack,
 )
 
-FULL = Parameters().response_max
+FULL = Build.profile("paper").response_max
 
 
 def check(
     frames: list[Array], name: EngineName = "compiled", stalls: Stalls = NO_STALLS, pixel_bits: int = 8
 ) -> Capture:
-    parameters = Parameters(pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", pixel_bits=pixel_bits)
     block = CentreRows(parameters)
     inner = [frame[3:-3, 3:-3] for frame in frames]
     capture = run(
@@ -57,14 +57,16 @@ def test_noise(name: EngineName, stalls: Stalls) -> None:
 
 @pytest.mark.parametrize("pixel_bits", [4, 8, 10])
 def test_extremes(pixel_bits: int) -> None:
-    check(extremes((11, 20), Parameters(pixel_bits=pixel_bits).response_max), pixel_bits=pixel_bits)
+    check(
+        extremes((11, 20), Build.profile("paper", pixel_bits=pixel_bits).response_max), pixel_bits=pixel_bits
+    )
 
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
     """10 rows of 9: row r, column c is 10 r + c. Rows 3 to 5, and 4 to 6, of columns 3 to 5 remain."""
     frame = 10 * np.arange(10)[:, None] + np.arange(9)
-    layout = CentreRows(Parameters()).o.payload.shape()
+    layout = CentreRows(Build.profile("paper")).o.payload.shape()
     seen = unpack(layout, check([frame], name).outputs["o"])
     assert seen["data"].tolist() == [
         [33, 43, 53],

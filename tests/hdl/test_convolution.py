@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from golden.algorithm import Gradient
 from golden.convolution import KERNEL, smooth
-from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Gradient, Parameters
+from golden.formats import MAX_PIXEL_BITS, MIN_PIXEL_BITS
+from golden.parameters import Parameters
 from golden.preprocessing import products
+from hdl.build import Build
 from hdl.convolution import Convolution, products_layout
 from hdl.parts.stream import Beat
 from sim.engine import EngineName
@@ -42,7 +45,7 @@ Pair = tuple[Array, Array]
 def streams(frames: list[Pair], parameters: Parameters) -> tuple[dict[str, Words], dict[str, Words]]:
     """Of frames of gradients, (gx, gy): their sizes, and the smoothed golden products."""
     block = Convolution(parameters)
-    tensors = [products(gx, gy, parameters.gradient) for gx, gy in frames]
+    tensors = [products(gx, gy, parameters.algorithm.gradient) for gx, gy in frames]
     sizes = columns(
         [np.stack([abs(gx), abs(gy), difference(gx, gy, parameters)], axis=-1) for gx, gy in frames], 5
     )
@@ -53,7 +56,7 @@ def streams(frames: list[Pair], parameters: Parameters) -> tuple[dict[str, Words
 
 def difference(gx: Array, gy: Array, parameters: Parameters) -> Array:
     """Its square is gx² + gy² - 2·gx·gy, with or without signs."""
-    return np.abs(gx - gy if parameters.gradient == "signed" else np.abs(gx) - np.abs(gy))
+    return np.abs(gx - gy if parameters.algorithm.gradient == "signed" else np.abs(gx) - np.abs(gy))
 
 
 def fields(tagged: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
@@ -71,7 +74,7 @@ def noisy(sizes: list[tuple[int, int]], largest: int) -> list[Pair]:
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 @pytest.mark.parametrize("gradient", GRADIENTS)
 def test_smoothing(gradient: Gradient, name: EngineName, stalls: Stalls) -> None:
-    parameters = Parameters(gradient=gradient)
+    parameters = Build.profile("paper", gradient=gradient)
     sizes = SIZES if name == "compiled" else [(5, 5), (7, 12), (6, 5)]
     given, expected = streams(noisy(sizes, 255), parameters)
     capture = run(engine(name, Convolution, parameters), given, expected, stalls)
@@ -84,7 +87,7 @@ def test_smoothing(gradient: Gradient, name: EngineName, stalls: Stalls) -> None
 @pytest.mark.parametrize("pixel_bits", range(MIN_PIXEL_BITS, MAX_PIXEL_BITS + 1))
 def test_extremes(gradient: Gradient, pixel_bits: int) -> None:
     """Gradients of nothing but their two ends, in step and out of step; then any."""
-    parameters = Parameters(gradient=gradient, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", gradient=gradient, pixel_bits=pixel_bits)
     largest = parameters.pixel_max
     patterns = extremes((11, 13), largest, -largest)
     frames = [(gx, gy) for gx in patterns for gy in (gx, -gx, patterns[2], 0 * gx)]
@@ -102,7 +105,7 @@ def test_every_tap(gradient: Gradient) -> None:
     place = [np.arange(25).reshape(5, 5) == k for k in range(25)]
     assert KERNEL.sum() == 64
     taps = np.array([1, 2, 2, 2, 1, 2, 4, 4, 4, 2, 2, 4, 4, 4, 2, 2, 4, 4, 4, 2, 1, 2, 2, 2, 1])
-    parameters = Parameters(gradient=gradient)
+    parameters = Build.profile("paper", gradient=gradient)
     # the three squares are those of 8·8, 8·0, 0·8
     for gx, gy, expected in ((8, 8, (1, 1, 1)), (8, 0, (1, 0, 0)), (0, -8, (0, 1, 0))):
         given, _ = streams([(np.where(p, gx, 0), np.where(p, gy, 0)) for p in place], parameters)
@@ -121,7 +124,7 @@ def test_halves_round_away_from_zero(name: EngineName) -> None:
     """4 times the centre over 64: 8 gives one half, 7 less, 9 more, and likewise 24, 23 and 25 around 1.5."""
     centres = [7, 8, 9, 23, 24, 25, -7, -8, -9, -23, -24, -25, 0]
     rounded = [0, 1, 1, 1, 2, 2, 0, -1, -1, -1, -2, -2, 0]
-    parameters = Parameters(gradient="signed")
+    parameters = Build.profile("paper", gradient="signed")
     middle = np.arange(25).reshape(5, 5) == 12
     frames = [(np.where(middle, centre, 0), np.where(middle, 1, 0)) for centre in centres]
     given, expected = streams(frames, parameters)
@@ -133,10 +136,10 @@ def test_halves_round_away_from_zero(name: EngineName) -> None:
 @pytest.mark.parametrize(("gradient", "clocks"), [("absolute", 5), ("signed", 6)])
 def test_latency(gradient: Gradient, clocks: int) -> None:
     """Tables 2, outer rows, all rows, the window; with signs one more for rounding."""
-    assert Convolution(Parameters(gradient=gradient)).latency == clocks
+    assert Convolution(Build.profile("paper", gradient=gradient)).latency == clocks
 
 
 @pytest.mark.parametrize(("gradient", "bits"), [("absolute", 8 * 3584), ("signed", 5 * 3584 + 3 * 8192)])
 def test_memory(gradient: Gradient, bits: int) -> None:
     """Fifteen look-ups of 8 bits share eight tables; with signs, five of them are of 9 bits."""
-    assert Convolution(Parameters(gradient=gradient)).memory_bits == bits
+    assert Convolution(Build.profile("paper", gradient=gradient)).memory_bits == bits

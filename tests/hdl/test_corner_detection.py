@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from golden.algorithm import Ties
 from golden.corner_detection import corner_detection
-from golden.parameters import Parameters, Ties
+from hdl.build import Build
 from hdl.corner_detection import CornerDetection
 from sim.engine import EngineName, SimulationHang
 from sim.stimulus import Capture, Stalls, Stimulus
@@ -29,7 +30,7 @@ from tests.support.blocks import (
 )
 
 TIES: list[Ties] = ["strict", "first"]
-FULL = Parameters().response_max
+FULL = Build.profile("paper").response_max
 
 
 def check(
@@ -41,7 +42,7 @@ def check(
     pixel_bits: int = 8,
 ) -> Capture:
     """Frames of responses, three rows and columns or more."""
-    parameters = Parameters(ties=ties, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", ties=ties, pixel_bits=pixel_bits)
     block = CornerDetection(parameters)
     expected = raster([corner_detection(f, limit, ties) for f, limit in zip(frames, t1, strict=True)])
     responses = raster([frame[1:-1, 1:-1] for frame in frames])
@@ -77,7 +78,7 @@ def test_noise(ties: Ties, name: EngineName, stalls: Stalls) -> None:
 @pytest.mark.parametrize("ties", TIES)
 @pytest.mark.parametrize("pixel_bits", [4, 8, 10])
 def test_extremes(ties: Ties, pixel_bits: int) -> None:
-    full = Parameters(pixel_bits=pixel_bits).response_max
+    full = Build.profile("paper", pixel_bits=pixel_bits).response_max
     frames = extremes((10, 20), full) + extremes((7, 11), full, full - 1)
     t1 = [(0, full - 1, full)[k % 3] for k in range(len(frames))]
     check(ties, frames, t1, pixel_bits=pixel_bits)
@@ -111,8 +112,8 @@ def test_every_pattern_of_ties(ties: Ties) -> None:
 
 def test_a_frame_waits_for_its_threshold() -> None:
     """Without T1 no column is taken."""
-    block = CornerDetection(Parameters())
-    runner = engine("compiled", CornerDetection, Parameters())
+    block = CornerDetection(Build.profile("paper"))
+    runner = engine("compiled", CornerDetection, Build.profile("paper"))
     given = pack(block.i.payload.shape(), columns(noise([(4, 5), (3, 6)], FULL), 3))
     with pytest.raises(SimulationHang, match=r"i 10 of 16 in, t1 1 of 1 in, .*o 6 out"):
         runner.run(Stimulus({"i": given, "t1": np.array([7], np.uint64)}), max_clocks=200)

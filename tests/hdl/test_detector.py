@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from flow.verilog import emit_verilog
-from golden import Parameters, Settings, StreamModel, decode_frame_end, profile
+from golden import Parameters, Settings, StreamModel, decode_frame_end
+from hdl.build import Build
 from hdl.detector import Detector
 from hdl.subpixel import Subpixel
 from sim.engine import Engine, make_engine
@@ -32,24 +33,26 @@ from tests.support.filters import lenient, selective
 from tests.support.photographs import PHOTOGRAPHS, photograph
 from tests.support.strategies import images, sigma2s, sigmas
 
-PAPER = profile("paper")
-ROBUST = profile("robust")
+PAPER = Build.profile("paper")
+ROBUST = Build.profile("robust")
 SMALL = {"max_width": 64, "max_height": 64}
 # together these hold every value of every field, next to different values of the others
 MIXTURES = {
-    "paper": profile("paper", **SMALL),
-    "robust": profile("robust", **SMALL),
-    "paper lean, six samples, single pixels": profile(
+    "paper": Build.profile("paper", **SMALL),
+    "robust": Build.profile("robust", **SMALL),
+    "paper lean, six samples, single pixels": Build.profile(
         "paper", **SMALL, buffering="lean", fit="six", patches="pixels", sqrt_bits_per_stage=3
     ),
-    "robust banked, six samples": profile(
+    "robust banked, six samples": Build.profile(
         "robust", **SMALL, buffering="banked", fit="six", texture="patches", sqrt_bits_per_stage=2
     ),
-    "paper, gradient step, adaptive threshold": profile("paper", **SMALL, fit="gradient", texture="mean"),
-    "robust, nine samples": profile("robust", **SMALL, fit="nine"),
-    "robust but for its response filter": profile("robust", **SMALL, response_filter="none"),
-    "10-bit pixels": profile("robust", **SMALL, pixel_bits=10, sqrt_bits_per_stage=4),
-    "4-bit pixels": profile(
+    "paper, gradient step, adaptive threshold": Build.profile(
+        "paper", **SMALL, fit="gradient", texture="mean"
+    ),
+    "robust, nine samples": Build.profile("robust", **SMALL, fit="nine"),
+    "robust but for its response filter": Build.profile("robust", **SMALL, response_filter="none"),
+    "10-bit pixels": Build.profile("robust", **SMALL, pixel_bits=10, sqrt_bits_per_stage=4),
+    "4-bit pixels": Build.profile(
         "paper",
         **SMALL,
         pixel_bits=4,
@@ -58,11 +61,11 @@ MIXTURES = {
         suppression=2,
         sqrt_bits_per_stage=17,
     ),
-    "paper with budget": profile("paper", **SMALL, budget=True),
-    "nine samples with budget, suppression": profile(
+    "paper with budget": Build.profile("paper", **SMALL, budget=True),
+    "nine samples with budget, suppression": Build.profile(
         "robust", **SMALL, budget=True, suppression=4, fit="nine", response_filter="none"
     ),
-    "robust with budget, suppression": profile("robust", **SMALL, budget=True, suppression=3),
+    "robust with budget, suppression": Build.profile("robust", **SMALL, budget=True, suppression=3),
 }
 STALLS = {
     "none": Stalls(),
@@ -133,7 +136,7 @@ def test_photographs(parameters: Parameters, name: str) -> None:
 @pytest.mark.parametrize("stalls", STALLS.values(), ids=STALLS.keys())
 @pytest.mark.parametrize("buffering", ["banked", "lean"])
 def test_photograph_under_stalls(buffering: str, stalls: Stalls, camera: NDArray[np.uint8]) -> None:
-    parameters = profile("paper", buffering=buffering)
+    parameters = Build.profile("paper", buffering=buffering)
     image = camera[100:300, 150:450]
     run(parameters, [(image, Settings()), (image, both_kinds(parameters))], stalls)
 
@@ -212,8 +215,8 @@ def test_black_and_white_noise_does_not_wait(parameters: Parameters) -> None:
     everything = Settings.default(parameters, sigma1=0, sigma2=lenient(parameters), report_rejected=True)
     result = run(parameters, [(frame, everything) for frame in frames])
     assert [frame.clocks for frame in result.frames] == [64 * 64] * 3
-    if parameters.suppression == 1:
-        sparsest = 40 if parameters.response_filter == "none" else 50
+    if parameters.algorithm.suppression == 1:
+        sparsest = 40 if parameters.algorithm.response_filter == "none" else 50
         assert all(len(frame.records) > 50 * 50 / sparsest for frame in result.frames)
 
 
@@ -228,11 +231,11 @@ def test_a_fine_grid_makes_the_input_wait_and_loses_nothing() -> None:
     for frame in result.frames:
         assert len(frame.records) > 80
         assert frame.clocks <= 64 * 64 + interval * len(frame.records)
-    crowded = profile("paper", max_width=512, max_height=64)
+    crowded = Build.profile("paper", max_width=512, max_height=64)
     wide = np.tile(dots, (1, 8))
     result = run(crowded, [(wide, wide_open)])
     assert wide.size < result.frames[0].clocks < 2 * wide.size
-    patient = profile("paper", max_width=512, max_height=64, queue_depth=128)
+    patient = Build.profile("paper", max_width=512, max_height=64, queue_depth=128)
     result = run(patient, [(wide, wide_open)])
     assert result.frames[0].clocks == wide.size
 
@@ -360,7 +363,7 @@ def test_amaranths_simulator_agrees_clock_by_clock(name: str) -> None:
 @pytest.mark.parametrize("name", ["paper", "robust"])
 def test_the_emitted_verilog_in_an_independent_simulator(name: str, tmp_path: Path) -> None:
     """Verilator, starting from random contents of everything that is not reset."""
-    parameters = profile(name)
+    parameters = Build.profile(name)
     verilog = tmp_path / "cornerstream.v"
     verilog.write_text(emit_verilog(parameters))
     simulator = make_engine("verilog", Detector(parameters), verilog=verilog)

@@ -8,7 +8,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from golden import Parameters, Settings, StreamModel, profile
+from golden import Parameters, Settings, StreamModel
+from hdl.build import Build
 from sim.frames import Frame, frame_stimulus
 from sim.stimulus import Stalls, Stimulus
 from tests.hdl.test_detector import MIXTURES, SMALL, engine, noise, run
@@ -16,7 +17,7 @@ from tests.support.filters import lenient, selective
 
 BUDGETS = {name: parameters for name, parameters in MIXTURES.items() if parameters.budget}
 # the longest way from the last response to the last window
-BUDGETS["robust banked"] = profile("robust", **SMALL, buffering="banked", budget=True)
+BUDGETS["robust banked"] = Build.profile("robust", **SMALL, buffering="banked", budget=True)
 
 
 @pytest.mark.parametrize("parameters", BUDGETS.values(), ids=BUDGETS.keys())
@@ -48,7 +49,7 @@ def test_targets_and_limits_change_from_frame_to_frame(parameters: Parameters) -
 
 def test_max_corners_bounds_what_a_dense_frame_costs() -> None:
     """What is left out is never refined: a grid too fine for that holds the input up no more."""
-    parameters = profile("paper", max_width=512, max_height=64, budget=True)
+    parameters = Build.profile("paper", max_width=512, max_height=64, budget=True)
     y, x = np.mgrid[:64, :512]
     dots = (((x % 5 == 0) & (y % 5 == 0)) * 255).astype(np.uint8)
     wide_open = {"sigma1": 0, "sigma2": 15.9, "report_rejected": True}

@@ -8,9 +8,10 @@ import re
 import pytest
 from amaranth.back import rtlil
 
-from golden import Parameters, profile
-from golden.parameters import SUPPORT, WINDOW_SIZE
+from golden import Parameters
+from golden.formats import SUPPORT, WINDOW_SIZE
 from hdl.adaptive_threshold import AdaptiveThreshold
+from hdl.build import Build
 from hdl.centre_rows import CentreRows
 from hdl.corner_detection import CornerDetection
 from hdl.detector import Detector
@@ -42,7 +43,7 @@ def test_thresholds_are_there_before_the_first_column(parameters: Parameters) ->
 
 def test_the_printed_fit_exists_in_the_golden_model_only() -> None:
     with pytest.raises(ValueError, match=r"fit is 'printed'; allowed in hardware: nine, six"):
-        Detector(profile("paper", fit="printed"))
+        Detector(Build.profile("paper", fit="printed"))
 
 
 @pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())

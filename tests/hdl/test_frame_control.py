@@ -11,7 +11,9 @@ from amaranth.sim import Simulator
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.parameters import SUPPORT, Parameters
+from golden.formats import SUPPORT
+from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.frame_control import FrameControl
 from hdl.parts.stream import Beat
 from sim.engine import EngineName
@@ -30,8 +32,8 @@ from tests.support.blocks import (
 )
 
 # settings of 4-bit pixels fit the one word in which plain inputs are set
-ODD = Parameters(pixel_bits=4, max_width=37, max_height=21)
-POWERS = Parameters(pixel_bits=4, max_width=32, max_height=16)
+ODD = Build.profile("paper", pixel_bits=4, max_width=37, max_height=21)
+POWERS = Build.profile("paper", pixel_bits=4, max_width=32, max_height=16)
 SETTINGS_BITS = 16 + 20 + 1 + 8 + 8 + 1
 
 Levels = list[tuple[int, dict[str, int]]]

@@ -10,9 +10,11 @@ import pytest
 from amaranth.hdl import unsigned
 from numpy.lib.stride_tricks import sliding_window_view
 
+from golden.formats import MAX_PIXEL_BITS, MIN_PIXEL_BITS
 from golden.normal_equations import LARGEST, PIXEL_SIZE, largest, normal_equations
-from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Parameters
+from golden.parameters import Parameters
 from golden.subpixel import derivative_bits
+from hdl.build import Build
 from hdl.derivatives import derivatives_layout
 from hdl.gradient_step import GradientStep
 from hdl.normal_equations import NormalEquations
@@ -37,7 +39,7 @@ from tests.support.blocks import (
 )
 from tests.support.photographs import photograph
 
-STEP = Parameters(fit="gradient")
+STEP = Build.profile("paper", fit="gradient")
 SIZES = [(9, 9), (16, 17), (9, 30), (24, 10), (10, 9)]
 
 

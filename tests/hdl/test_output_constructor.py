@@ -6,9 +6,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from golden.formats import MAX_SIDE
 from golden.output_constructor import FRAME_BITS, FrameEnd, decode, decode_frame_end, encode, encode_frame_end
-from golden.parameters import MAX_SIDE, Parameters
 from golden.subpixel import Offset
+from hdl.build import Build
 from hdl.candidate_selection import note_layout
 from hdl.output_constructor import OutputConstructor, record_layout
 from hdl.subpixel import offset_layout
@@ -28,7 +29,7 @@ def check(
     extreme: bool = False,
 ) -> Capture:
     """Frames of so many random corners; with ``extreme``, of values at their ends."""
-    parameters = Parameters(pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", pixel_bits=pixel_bits)
     full = parameters.response_max
     rng = np.random.default_rng(len(counts))
     total = sum(counts) + len(counts)
@@ -95,7 +96,7 @@ def test_frame_numbers_wrap_and_counts_are_long() -> None:
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
     """A rejected corner at (10 + 1/2, 20 - 1/128) whose fit was clamped, D = 300; then the frame's end."""
-    parameters = Parameters()
+    parameters = Build.profile("paper")
     note = {"x": [10, 0], "y": [20, 0], "response": [300, 5000], "textured": [1, 0], "end": [0, 1]}
     offset = {"dx": [64], "dy": [-1], "clamped": [1], "not_maximum": [0]}
     corner = 1344 | 2559 << 20 | 300 << 40 | 0b101 << 61
@@ -114,7 +115,7 @@ def test_by_hand(name: EngineName) -> None:
 
 def test_a_corner_waits_for_its_offset() -> None:
     """And the end behind it, which waits for nothing else."""
-    parameters = Parameters()
+    parameters = Build.profile("paper")
     zeros = np.zeros(3, np.int64)
     note = {"x": zeros, "y": zeros, "response": zeros, "textured": zeros, "end": np.array([0, 0, 1])}
     offset = dict.fromkeys(("dx", "dy", "clamped", "not_maximum"), zeros[:1])

@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 from numpy.lib.stride_tricks import sliding_window_view
 
-from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Derivative, Gradient, Parameters
+from golden.algorithm import Derivative, Gradient
+from golden.formats import MAX_PIXEL_BITS, MIN_PIXEL_BITS
+from golden.parameters import Parameters
 from golden.preprocessing import gradients, products
+from hdl.build import Build
 from hdl.preprocessing import Preprocessing
 from sim.engine import EngineName
 from sim.stimulus import Stalls
@@ -55,7 +58,7 @@ def fields(tagged: dict[str, Any]) -> dict[str, Any]:
 
 def streams(frames: list[Array], parameters: Parameters) -> tuple[dict[str, Words], dict[str, Words]]:
     block = Preprocessing(parameters)
-    kinds = parameters.gradient, parameters.derivative
+    kinds = parameters.algorithm.gradient, parameters.algorithm.derivative
     windows = [sliding_window_view(sizes(frame, *kinds), 5, axis=0) for frame in frames]
     given = pack(block.i.payload.shape(), columns(frames, 7))
     return {"i": given}, {"o": pack(block.o.payload.shape(), fields(raster(windows)))}
@@ -65,7 +68,7 @@ def streams(frames: list[Array], parameters: Parameters) -> tuple[dict[str, Word
 @pytest.mark.parametrize("derivative", DERIVATIVES)
 @pytest.mark.parametrize("gradient", GRADIENTS)
 def test_sizes(gradient: Gradient, derivative: Derivative, name: EngineName, stalls: Stalls) -> None:
-    parameters = Parameters(gradient=gradient, derivative=derivative)
+    parameters = Build.profile("paper", gradient=gradient, derivative=derivative)
     shapes = SIZES if name == "compiled" else [*SIZES[:1], (9, 9)]
     given, expected = streams(noise(shapes, 255, dtype=np.uint8), parameters)
     capture = run(engine(name, Preprocessing, parameters), given, expected, stalls)
@@ -84,7 +87,7 @@ def test_sizes(gradient: Gradient, derivative: Derivative, name: EngineName, sta
 @pytest.mark.parametrize("gradient", GRADIENTS)
 def test_extremes(gradient: Gradient, derivative: Derivative, pixel_bits: int) -> None:
     """Of all pixel widths; every size reaches the end of its format, but that of a difference with Sobel."""
-    parameters = Parameters(gradient=gradient, derivative=derivative, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", gradient=gradient, derivative=derivative, pixel_bits=pixel_bits)
     frames = extremes((12, 14), parameters.pixel_max, dtype=np.uint16)
     frames += noise([(90, 120)], parameters.pixel_max, 1, dtype=np.uint16)
     given, expected = streams(frames, parameters)
@@ -104,7 +107,7 @@ def test_extremes(gradient: Gradient, derivative: Derivative, pixel_bits: int) -
 @pytest.mark.parametrize(("gradient", "first"), [("absolute", 40), ("signed", 180)])
 def test_by_hand(gradient: Gradient, first: int, name: EngineName) -> None:
     """gx = 110, -3, -30, 255, 0 and gy = -70, -10, -3, 60, -175, from the top."""
-    parameters = Parameters(gradient=gradient)
+    parameters = Build.profile("paper", gradient=gradient)
     block = Preprocessing(parameters)
     frame = np.array(
         [[1, 7, 2], [200, 50, 90], [1, 77, 4], [90, 60, 120], [255, 80, 0], [5, 0, 5], [3, 255, 4]]
@@ -128,12 +131,12 @@ def test_sobel_rounds_halves_away_from_zero(name: EngineName) -> None:
         frame = np.zeros((8, 4), np.uint8)
         frame[1, 0] = frame[6, 3] = value
         frames.append(frame)
-    parameters = Parameters(gradient="signed", derivative="sobel")
+    parameters = Build.profile("paper", gradient="signed", derivative="sobel")
     given, expected = streams(frames, parameters)
     run(engine(name, Preprocessing, parameters), given, expected)
 
 
 def test_latency() -> None:
     """Gradients, sizes; with Sobel sums, differences and rounding."""
-    assert Preprocessing(Parameters()).latency == 2
-    assert Preprocessing(Parameters(derivative="sobel")).latency == 4
+    assert Preprocessing(Build.profile("paper")).latency == 2
+    assert Preprocessing(Build.profile("paper", derivative="sobel")).latency == 4

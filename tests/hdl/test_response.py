@@ -10,10 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from golden.algorithm import Gradient
 from golden.convolution import smooth
-from golden.parameters import MAX_PIXEL_BITS, MIN_PIXEL_BITS, Gradient, Parameters
+from golden.formats import MAX_PIXEL_BITS, MIN_PIXEL_BITS
+from golden.parameters import Parameters
 from golden.preprocessing import gradients, products
 from golden.response import response
+from hdl.build import Build
 from hdl.response import Response
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
@@ -32,10 +35,10 @@ from tests.support.blocks import (
     run,
 )
 
-ABSOLUTE = Parameters()
-SIGNED = Parameters(gradient="signed", sqrt_bits_per_stage=3)
-SHALLOW = Parameters(gradient="absolute", pixel_bits=4, sqrt_bits_per_stage=17)
-WIDE = Parameters(gradient="signed", pixel_bits=10, sqrt_bits_per_stage=4)
+ABSOLUTE = Build.profile("paper")
+SIGNED = Build.profile("paper", gradient="signed", sqrt_bits_per_stage=3)
+SHALLOW = Build.profile("paper", gradient="absolute", pixel_bits=4, sqrt_bits_per_stage=17)
+WIDE = Build.profile("paper", gradient="signed", pixel_bits=10, sqrt_bits_per_stage=4)
 DETECTORS = {"absolute": ABSOLUTE, "signed": SIGNED, "4-bit": SHALLOW, "10-bit": WIDE}
 
 
@@ -67,14 +70,14 @@ def smoothed(images: list[Array], gradient: Gradient) -> list[Array]:
 def test_noise(parameters: Parameters, name: EngineName, stalls: Stalls) -> None:
     sizes = [(40, 50), (7, 7), (20, 31)] if name == "compiled" else [(9, 10), (7, 7)]
     images = noise(sizes, 255, dtype=np.uint8)
-    check(parameters, smoothed(images, parameters.gradient), name, stalls)
+    check(parameters, smoothed(images, parameters.algorithm.gradient), name, stalls)
 
 
 @pytest.mark.parametrize("parameters", DETECTORS.values(), ids=DETECTORS.keys())
 def test_extremes(parameters: Parameters) -> None:
     images = extremes((16, 18), parameters.pixel_max, dtype=np.uint16)
     images += noise([(40, 40)], parameters.pixel_max, 3, dtype=np.uint16)
-    check(parameters, smoothed(images, parameters.gradient))
+    check(parameters, smoothed(images, parameters.algorithm.gradient))
 
 
 @pytest.mark.parametrize("parameters", DETECTORS.values(), ids=DETECTORS.keys())
@@ -91,7 +94,7 @@ def test_any_tensor(parameters: Parameters, data: st.DataObject) -> None:
     limit = np.array([isqrt(x * y) for x, y in zip(a.tolist(), b.tolist(), strict=True)])
     least = np.maximum(-(-(a + b - parameters.response_max) // 2), 0)
     c = np.where(rng.random(200) < 0.5, limit, rng.integers(least, limit, endpoint=True))
-    if parameters.gradient == "signed":
+    if parameters.algorithm.gradient == "signed":
         c *= rng.choice([-1, 1], 200)
     check(parameters, [np.stack([a, b, c], axis=-1)[None]])
 
@@ -111,7 +114,7 @@ def test_by_hand(name: EngineName) -> None:
 @pytest.mark.parametrize("gradient", ["absolute", "signed"])
 def test_every_pixel_width(gradient: Gradient, bits: int) -> None:
     """Noise, and black and white, whose tensors reach the ends of the format."""
-    parameters = Parameters(gradient=gradient, pixel_bits=bits)
+    parameters = Build.profile("paper", gradient=gradient, pixel_bits=bits)
     images = noise([(12, 14)], parameters.pixel_max, bits, dtype=np.uint16)
     images += [parameters.pixel_max * image for image in noise([(12, 14)], 1, bits, dtype=np.uint16)]
     check(parameters, smoothed(images, gradient), "amaranth")

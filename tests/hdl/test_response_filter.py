@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from golden.parameters import Parameters
 from golden.response_filter import response_filter
+from hdl.build import Build
 from hdl.centre_rows import CentreRows
 from hdl.response_filter import ResponseFilter
 from sim.engine import EngineName
@@ -31,7 +31,7 @@ from tests.support.blocks import (
     unpack,
 )
 
-SIGNED = Parameters(gradient="signed", response_filter="binomial", fit="gradient")
+SIGNED = Build.profile("paper", gradient="signed", response_filter="binomial", fit="gradient")
 FULL = SIGNED.response_max
 
 
@@ -42,7 +42,7 @@ def check(
     pixel_bits: int = 8,
     radius: int = 1,
 ) -> Capture:
-    parameters = replace(SIGNED, pixel_bits=pixel_bits, suppression=radius)
+    parameters = SIGNED.changed(pixel_bits=pixel_bits, suppression=radius)
     block = ResponseFilter(parameters)
     edge = 3 - radius
     inner = [response_filter(frame) for frame in frames]

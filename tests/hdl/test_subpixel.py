@@ -8,11 +8,12 @@ from itertools import product
 import numpy as np
 import pytest
 
+from golden.algorithm import Fit
 from golden.derivatives import Derivatives
 from golden.normal_equations import normal_equations
-from golden.parameters import Fit, Parameters
 from golden.subpixel import FITS as GOLDEN_FITS
 from golden.subpixel import Int64, derivative_bits, derivatives, mantissa_bits, offset_limit, peak
+from hdl.build import Build
 from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.subpixel import Subpixel, offset_layout
 from sim.engine import EngineName
@@ -46,7 +47,7 @@ def check(
     pixel_bits: int = 8,
 ) -> Capture:
     """``patches``: (n, 3, 3)."""
-    assert patches.min() >= 0 and patches.max() <= Parameters(pixel_bits=pixel_bits).response_max
+    assert patches.min() >= 0 and patches.max() <= Build.profile("paper", pixel_bits=pixel_bits).response_max
     return check_derivatives(fit, derivatives(GOLDEN_FITS[fit](patches)), name, stalls, pixel_bits)
 
 
@@ -58,7 +59,7 @@ def check_derivatives(
     pixel_bits: int = 8,
 ) -> Capture:
     """``values`` as the golden model has them."""
-    parameters = Parameters(fit=fit, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
     block = Subpixel(parameters)
     offset = peak(values, derivative_bits(parameters), limit=offset_limit(fit), kept=mantissa_bits(fit))
     fields = {
@@ -134,11 +135,11 @@ def named(largest: int) -> Array:
 @every_fit
 def test_peaks(fit: Fit, name: EngineName, stalls: Stalls) -> None:
     count = 2000 if name == "compiled" else 60
-    full = Parameters().response_max
+    full = Build.profile("paper").response_max
     capture = check(fit, np.concatenate([peaks(count, full), paraboloids(count, full)]), name, stalls)
     if not stalls.outputs:
         # starved or not: never longer, and the next one when this one has moved on
-        block = Subpixel(Parameters(fit=fit))
+        block = Subpixel(Build.profile("paper", fit=fit))
         assert (latency(capture) == block.latency).all()
         assert (np.diff(capture.input_clocks["i"]) >= block.interval).all()
 
@@ -146,7 +147,7 @@ def test_peaks(fit: Fit, name: EngineName, stalls: Stalls) -> None:
 @every_fit
 @every_width
 def test_many_patches(fit: Fit, pixel_bits: int) -> None:
-    full = Parameters(pixel_bits=pixel_bits).response_max
+    full = Build.profile("paper", pixel_bits=pixel_bits).response_max
     rng = np.random.default_rng(pixel_bits)
     anything = rng.integers(0, full, (20_000, 3, 3), endpoint=True)
     small = rng.integers(0, 3, (20_000, 3, 3), endpoint=True)
@@ -166,7 +167,7 @@ def test_many_patches(fit: Fit, pixel_bits: int) -> None:
 @every_width
 def test_extremes(fit: Fit, pixel_bits: int) -> None:
     """Every patch of nothing but 0 and full scale: all 512, and the named ones."""
-    full = Parameters(pixel_bits=pixel_bits).response_max
+    full = Build.profile("paper", pixel_bits=pixel_bits).response_max
     corners = np.array(list(product((0, full), repeat=9))).reshape(-1, 3, 3)
     check(fit, np.concatenate([corners, named(full)]), pixel_bits=pixel_bits)
 
@@ -175,7 +176,7 @@ def test_extremes(fit: Fit, pixel_bits: int) -> None:
 @every_width
 def test_any_derivatives(fit: Fit, pixel_bits: int) -> None:
     """Also such as no patch has: each of the five at its ends, around 0, and of every length, by itself."""
-    parameters = Parameters(fit=fit, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
     rng = np.random.default_rng(pixel_bits)
     values = []
     for (_, field), form in zip(derivatives_layout(parameters), FORMATS[fit], strict=True):
@@ -219,10 +220,10 @@ def test_by_hand(fit: Fit, name: EngineName) -> None:
 @every_fit
 def test_lone_candidates(fit: Fit) -> None:
     """Each finds the unit idle, and leaves it idle: nothing of one is left for the next."""
-    full = Parameters().response_max
+    full = Build.profile("paper").response_max
     patches = np.concatenate([named(full), peaks(300, full)])
     capture = check(fit, patches, stalls=Stalls(inputs=0.995, seed=1))
-    block = Subpixel(Parameters(fit=fit))
+    block = Subpixel(Build.profile("paper", fit=fit))
     assert (latency(capture) == block.latency).all()
     assert np.quantile(np.diff(capture.input_clocks["i"]), 0.5) > block.latency
 
@@ -253,7 +254,7 @@ def test_gradient_steps(name: EngineName, stalls: Stalls) -> None:
 
 def test_latency_of_the_gradient_step() -> None:
     """24 bits, of which 12 go on."""
-    block = Subpixel(Parameters(fit="gradient"))
+    block = Subpixel(Build.profile("paper", fit="gradient"))
     assert block.interval == 15 and block.latency == 46
 
 
@@ -261,7 +262,7 @@ def test_latency_of_the_gradient_step() -> None:
 @every_width
 def test_latency(fit: Fit, pixel_bits: int) -> None:
     """A clock for every bit cut in the first stage, one more than bits in the second, and one to move on."""
-    parameters = Parameters(fit=fit, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
     block = Subpixel(parameters)
     assert block.interval == 1 + max(derivative_bits(parameters) - 10, 12)
     assert block.latency == 3 * block.interval + 1
@@ -269,4 +270,4 @@ def test_latency(fit: Fit, pixel_bits: int) -> None:
 
 def test_the_printed_fit_is_refused() -> None:
     with pytest.raises(ValueError, match="fit is 'printed'; allowed in hardware: nine, six, gradient"):
-        Subpixel(Parameters(fit="printed"))
+        Subpixel(Build.profile("paper", fit="printed"))

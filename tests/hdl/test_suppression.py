@@ -6,8 +6,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from golden.algorithm import Ties
 from golden.corner_detection import corner_detection
-from golden.parameters import WINDOW_SIZE, Parameters, Ties
+from golden.formats import WINDOW_SIZE
+from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.suppression import Suppression
 from sim.engine import EngineName, SimulationHang
 from sim.stimulus import Capture, Stalls, Stimulus
@@ -30,7 +33,7 @@ from tests.support.blocks import (
 TIES: list[Ties] = ["strict", "first"]
 RADII = [1, 2, 3, 4]
 REACH = WINDOW_SIZE // 2
-FULL = Parameters().response_max
+FULL = Build.profile("paper").response_max
 
 
 def check(
@@ -41,7 +44,7 @@ def check(
     stalls: Stalls = NO_STALLS,
 ) -> Capture:
     """Frames of responses, nine rows and columns or more."""
-    block, ties, radius = Suppression(parameters), parameters.ties, parameters.suppression
+    block, ties, radius = Suppression(parameters), parameters.algorithm.ties, parameters.algorithm.suppression
 
     def found(frame: Array, limit: int) -> Array:
         edge = REACH - radius
@@ -78,14 +81,14 @@ def test_noise(ties: Ties, radius: int, name: EngineName, stalls: Stalls) -> Non
     for seed, largest in enumerate((FULL, 2, 5, 40)):
         frames += noise(sizes, largest, seed)
         t1 += [0, largest // 2, 0, largest - 1, largest][: len(sizes)]
-    check(Parameters(ties=ties, suppression=radius, budget=True), frames, t1, name, stalls)
+    check(Build.profile("paper", ties=ties, suppression=radius, budget=True), frames, t1, name, stalls)
 
 
 @pytest.mark.parametrize("ties", TIES)
 @pytest.mark.parametrize("radius", RADII)
 @pytest.mark.parametrize("pixel_bits", [4, 8, 10])
 def test_extremes(ties: Ties, radius: int, pixel_bits: int) -> None:
-    parameters = Parameters(ties=ties, suppression=radius, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", ties=ties, suppression=radius, pixel_bits=pixel_bits)
     full = parameters.response_max
     frames = extremes((10, 20), full) + extremes((11, 15), full, full - 1)
     t1 = [(0, full - 1, full)[k % 3] for k in range(len(frames))]
@@ -109,13 +112,13 @@ def test_each_neighbour(ties: Ties, radius: int) -> None:
             far = max(abs(y - REACH), abs(x - REACH)) > radius
             later_tie = neighbour == 10 and ties == "first" and place > WINDOW_SIZE**2 // 2
             expected.append(far or neighbour == 9 or later_tie)
-    capture = check(Parameters(ties=ties, suppression=radius), frames, t1)
+    capture = check(Build.profile("paper", ties=ties, suppression=radius), frames, t1)
     assert (capture.outputs["o"] & np.uint64(1)).tolist() == expected
 
 
 def test_a_frame_waits_for_its_threshold() -> None:
     """Without T1 no column is taken."""
-    parameters = Parameters(suppression=2)
+    parameters = Build.profile("paper", suppression=2)
     block = Suppression(parameters)
     given = pack(block.i.payload.shape(), columns(noise([(10, 10), (9, 11)], FULL), WINDOW_SIZE))
     stimulus = Stimulus({"i": given, "t1": np.array([7], np.uint64)})

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from numpy.lib.stride_tricks import sliding_window_view
 
-from golden.parameters import Fit, Parameters
+from golden.algorithm import Fit
 from golden.subpixel import FITS as GOLDEN_FITS
 from golden.subpixel import derivative_bits, derivatives
+from hdl.build import Build
 from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.surface import SurfaceFit
 from sim.engine import EngineName
@@ -46,7 +47,7 @@ def check(
     stalls: Stalls = NO_STALLS,
     pixel_bits: int = 8,
 ) -> Capture:
-    parameters = Parameters(fit=fit, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
     block = SurfaceFit(parameters)
     wide = [frame for frame in frames if frame.shape[1] >= 3]
     patches = np.concatenate([sliding_window_view(frame, (3, 3)).reshape(-1, 3, 3) for frame in wide])
@@ -74,21 +75,25 @@ def test_noise(fit: Fit, name: EngineName, stalls: Stalls) -> None:
     """Rows of one window, rows too short for any, and bubbles between columns."""
     sizes = [(20, 30), (3, 3), (12, 9), (4, 2), (3, 40), (5, 1), (6, 4)]
     sizes = sizes if name == "compiled" else [(4, 7), (3, 3), (3, 2), (3, 5)]
-    for largest in (Parameters().response_max, 3):
+    for largest in (Build.profile("paper").response_max, 3):
         check(fit, noise(sizes, largest, largest), name, stalls)
 
 
 @every_fit
 @every_width
 def test_many(fit: Fit, pixel_bits: int) -> None:
-    check(fit, noise([(90, 300)], Parameters(pixel_bits=pixel_bits).response_max), pixel_bits=pixel_bits)
+    check(
+        fit,
+        noise([(90, 300)], Build.profile("paper", pixel_bits=pixel_bits).response_max),
+        pixel_bits=pixel_bits,
+    )
 
 
 @every_fit
 @every_width
 def test_extremes(fit: Fit, pixel_bits: int) -> None:
     """Every patch of nothing but 0 and full scale, and frames of them."""
-    full = Parameters(pixel_bits=pixel_bits).response_max
+    full = Build.profile("paper", pixel_bits=pixel_bits).response_max
     patches = np.array(list(product((0, full), repeat=9))).reshape(-1, 3, 3)
     check(fit, [*patches, *extremes((7, 20), full)], pixel_bits=pixel_bits)
 
@@ -98,7 +103,7 @@ def test_extremes(fit: Fit, pixel_bits: int) -> None:
 def test_each_sample(fit: Fit, name: EngineName) -> None:
     """A lone 1 in each of the nine places shows its five weights."""
     seen = unpack(
-        derivatives_layout(Parameters(fit=fit)),
+        derivatives_layout(Build.profile("paper", fit=fit)),
         check(fit, list(np.eye(9, dtype=np.int64).reshape(9, 3, 3)), name).outputs["o"],
     )
     expected = {
@@ -124,7 +129,7 @@ def test_each_sample(fit: Fit, name: EngineName) -> None:
 @every_fit
 @every_width
 def test_layout_is_as_wide_as_needed_and_no_wider(fit: Fit, pixel_bits: int) -> None:
-    parameters = Parameters(fit=fit, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
     patches = np.array(list(product((0, parameters.response_max), repeat=9))).reshape(-1, 3, 3)
     values = derivatives(GOLDEN_FITS[fit](patches))
     layout = derivatives_layout(parameters)
@@ -140,4 +145,4 @@ def test_latency() -> None:
 
 def test_the_printed_fit_is_refused() -> None:
     with pytest.raises(ValueError, match="fit is 'printed'; allowed in hardware: nine, six"):
-        SurfaceFit(Parameters(fit="printed"))
+        SurfaceFit(Build.profile("paper", fit="printed"))

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from numpy.lib.stride_tricks import sliding_window_view
 
-from golden.parameters import Parameters, Patches
+from golden.algorithm import Patches
 from golden.texture_filter import texture_filter, texturization
+from hdl.build import Build
 from hdl.texture_filter import TextureFilter
 from hdl.thresholds import thresholds_layout
 from sim.engine import EngineName
@@ -31,7 +32,7 @@ from tests.support.blocks import (
 )
 
 PATCHES: list[Patches] = ["regions", "pixels"]
-FULL = Parameters().response_max
+FULL = Build.profile("paper").response_max
 both = pytest.mark.parametrize("patches", PATCHES)
 
 
@@ -48,7 +49,7 @@ def check(
     pixel_bits: int = 8,
 ) -> Capture:
     """Every other frame also reports what is rejected."""
-    parameters = Parameters(patches=patches, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", patches=patches, pixel_bits=pixel_bits)
     block = TextureFilter(parameters)
     reported = [k % 2 for k in range(len(frames))]
     results = []
@@ -113,7 +114,7 @@ def test_every_place_of_the_window(patches: Patches) -> None:
 @pytest.mark.parametrize("pixel_bits", [8, 10])
 def test_extremes(patches: Patches, pixel_bits: int) -> None:
     """Up to the largest tau there is, which horizontal stripes have."""
-    parameters = Parameters(patches=patches, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", patches=patches, pixel_bits=pixel_bits)
     frames = [frame for frame in extremes((11, 18), parameters.response_max) for _ in range(4)]
     largest = parameters.texture_max
     assert max(int(texturization(windows(frame), patches).max()) for frame in frames) == largest
@@ -138,7 +139,7 @@ def test_by_hand(name: EngineName) -> None:
 @both
 def test_each_result_has_its_own_frames_threshold(patches: Patches, name: EngineName, stalls: Stalls) -> None:
     """Frames of one window, back to back, none textured but with T2 of 0: the next T2 must not come too soon."""
-    parameters = Parameters(patches=patches)
+    parameters = Build.profile("paper", patches=patches)
     beyond = 16 * parameters.pixels_per_region * parameters.response_max - 1
     check(patches, noise([(9, 9)] * 12, FULL, 5), [0, beyond, beyond, 0] * 3, name, stalls)
 

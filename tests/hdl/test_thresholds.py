@@ -15,7 +15,9 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from golden import thresholds as golden
-from golden.parameters import Parameters, Settings
+from golden.parameters import Parameters
+from golden.settings import Settings
+from hdl.build import Build
 from hdl.thresholds import Thresholds, settings_layout, thresholds_layout
 from sim.engine import EngineName, SimulationHang
 from sim.stimulus import Capture, Stalls, Stimulus
@@ -37,10 +39,10 @@ from tests.support.blocks import (
 )
 from tests.support.strategies import sigmas
 
-PARAMETERS = Parameters()
-PIXELS = Parameters(patches="pixels", pixel_bits=10)
-MEAN = Parameters(texture="mean", gradient="signed")
-BUDGET = Parameters(budget=True)
+PARAMETERS = Build.profile("paper")
+PIXELS = Build.profile("paper", patches="pixels", pixel_bits=10)
+MEAN = Build.profile("paper", texture="mean", gradient="signed")
+BUDGET = Build.profile("paper", budget=True)
 FULL = PARAMETERS.response_max
 LARGEST = 7 * FULL // 9
 

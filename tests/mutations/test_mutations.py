@@ -238,7 +238,7 @@ MUTATIONS = {
     ),
     "what the threshold leaves of a response is not reported": Mutation(
         "hdl/candidate_selection.py",
-        'texture.response if p.texture == "mean" else corner.response',
+        'texture.response if p.algorithm.texture == "mean" else corner.response',
         "corner.response",
         "tests/hdl/test_detector.py",
         "photographs and robust and text",

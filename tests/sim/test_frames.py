@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from golden import Parameters, Settings, StreamModel, profile
+from golden import Parameters, Settings, StreamModel
+from hdl.build import Build
 from hdl.detector import Detector
 from sim import (
     Capture,
@@ -25,7 +26,7 @@ from sim import (
 )
 from sim.ports import Ports
 
-SMALL = profile("paper", max_width=64, max_height=64)
+SMALL = Build.profile("paper", max_width=64, max_height=64)
 Words = np.ndarray
 
 
@@ -143,7 +144,7 @@ def test_descriptions() -> None:
 
 @pytest.mark.parametrize("kind", ["amaranth", "compiled"])
 def test_the_detector_against_the_golden_model(kind: EngineName) -> None:
-    parameters: Parameters = profile("robust", max_width=32, max_height=24)
+    parameters: Parameters = Build.profile("robust", max_width=32, max_height=24)
     settings = replace(Settings.default(parameters), report_rejected=True)
     frames = [(image, settings) for image in images((15, 15), (20, 30), (24, 16))]
     model = StreamModel(parameters)

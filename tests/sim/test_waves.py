@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden import Parameters, Settings, decode
+from golden import Settings, decode
 from golden.detector import response_map
+from hdl.build import Build
 from hdl.detector import Detector
 from sim import EngineName, Stalls, Stimulus, make_engine, simulate_frames
 from tests.sim.conftest import EngineFor
@@ -104,7 +105,7 @@ def changes(path: Path) -> dict[str, set[str]]:
 
 
 def test_save_file_shows_what_the_detector_does(tmp_path: Path) -> None:
-    parameters = Parameters(max_width=20, max_height=18, buffering="lean")
+    parameters = Build.profile("paper", max_width=20, max_height=18, buffering="lean")
     settings = Settings(sigma1=0.001, sigma2=0.8, floor=1, report_rejected=True)
     image = np.random.default_rng(27).integers(0, 256, (18, 20), np.uint8)
     path = tmp_path / "detector.vcd"

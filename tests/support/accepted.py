@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from golden import Parameters
 from golden.adaptive_threshold import adaptive_threshold
 from golden.detector import corner_map, peak_responses, response_map
-from golden.parameters import MARGIN, WINDOW_SIZE
+from golden.formats import MARGIN, WINDOW_SIZE
 from golden.preprocessing import Image
 from golden.texture_filter import texture_filter
 from golden.thresholds import Thresholds
@@ -20,12 +20,12 @@ def accepted(image: Image, limits: Thresholds, parameters: Parameters) -> NDArra
     responses = response_map(image, parameters)
     corners = corner_map(responses, limits.t1, parameters)
     windows = sliding_window_view(responses, (WINDOW_SIZE, WINDOW_SIZE))
-    if parameters.texture == "mean":
-        around = parameters.suppression
+    if parameters.algorithm.texture == "mean":
+        around = parameters.algorithm.suppression
         peaks = peak_responses(responses, parameters)[around:-around, around:-around]
         plain, _ = adaptive_threshold(peaks, windows, limits.t1, limits.t2)
     else:
-        plain = texture_filter(windows, limits.t2, parameters.patches)
+        plain = texture_filter(windows, limits.t2, parameters.algorithm.patches)
     result = np.zeros(image.shape, bool)
     result[MARGIN:-MARGIN, MARGIN:-MARGIN] = corners & plain
     return result

@@ -11,6 +11,7 @@ from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
 from golden import Parameters
+from hdl.build import Build
 
 Image = NDArray[np.unsignedinteger[Any]]
 Painter = Callable[[np.random.Generator, int, int], NDArray[np.float64]]
@@ -77,7 +78,7 @@ def detectors(**fixed: Any) -> st.SearchStrategy[Parameters]:
         "suppression": st.sampled_from((1, 1, 2, 3, 4)),
     }
     fields.update({field: st.just(value) for field, value in fixed.items()})
-    return st.fixed_dictionaries(fields).map(_possible).map(lambda chosen: Parameters(**chosen))
+    return st.fixed_dictionaries(fields).map(_possible).map(lambda chosen: Build.profile("paper", **chosen))
 
 
 def sigmas(largest: float) -> st.SearchStrategy[float]:
@@ -87,7 +88,7 @@ def sigmas(largest: float) -> st.SearchStrategy[float]:
 
 def sigma2s(parameters: Parameters) -> st.SearchStrategy[float]:
     """sigma2 of this detector, small ones more often than not."""
-    if parameters.texture == "mean":
+    if parameters.algorithm.texture == "mean":
         return st.just(0.0) | st.floats(0.125, 1.875)
     return sigmas(2) | sigmas(10)
 

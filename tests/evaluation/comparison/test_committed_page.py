@@ -9,7 +9,16 @@ from pathlib import Path
 import pytest
 
 from evaluation.comparison import page as comparison
-from evaluation.comparison.figures import AREA_FIELDS, PLACED, SIZES, Build, Record, builds, clocks, structure
+from evaluation.comparison.figures import (
+    AREA_FIELDS,
+    PLACED,
+    SIZES,
+    Record,
+    Variant,
+    builds,
+    clocks,
+    structure,
+)
 
 DOCS = Path(__file__).parents[3] / "docs"
 QUICK = builds(SIZES[-1:])
@@ -51,7 +60,7 @@ def test_committed_figures_reach_the_targets(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("build", QUICK, ids=lambda build: build.name)
-def test_cheap_figures_are_measured_anew(build: Build) -> None:
+def test_cheap_figures_are_measured_anew(build: Variant) -> None:
     (kept,) = (
         found
         for found in committed()["builds"]

@@ -16,13 +16,13 @@ from click.testing import Result
 from cornerstream.cli import main
 from evaluation.comparison import figures, paper_tables
 from evaluation.comparison import page as comparison
-from evaluation.comparison.figures import AREA_FIELDS, Build, FigureError, Record, builds, clocks, measure
-from golden import Parameters, profile
+from evaluation.comparison.figures import AREA_FIELDS, FigureError, Record, Variant, builds, clocks, measure
+from golden import Parameters
 from sim import Mismatch
 from tests.support.runner import CliRunner
 
 
-def invented(build: Build, **changes: Any) -> Record:
+def invented(build: Variant, **changes: Any) -> Record:
     """Figures that nobody measured, all different."""
     return {
         **asdict(build),
@@ -156,7 +156,7 @@ def test_notes_are_those_that_are_referred_to() -> None:
 
 
 structure = cache(figures.structure)
-SMALLEST = Build("robust", "lean", 32, 24)
+SMALLEST = Variant("robust", "lean", 32, 24)
 
 
 @pytest.fixture
@@ -195,7 +195,7 @@ def test_figures_are_measured_once(
     assert found["fmax_mhz"] == 123.4 and found["lut4"] == 100 and found["clocks_per_frame"] == 768
     assert measure([SMALLEST], tmp_path) == first and len(counted) == 3
     # other hardware, another tool
-    measure([Build("paper", "lean", 32, 24)], tmp_path)
+    measure([Variant("paper", "lean", 32, 24)], tmp_path)
     assert len(counted) == 6
     monkeypatch.setattr(figures, "versions", lambda: {"amaranth": "another"})
     measure([SMALLEST], tmp_path)
@@ -208,7 +208,7 @@ def test_figures_are_measured_once(
 
 def test_two_at_a_time_are_the_same(tmp_path: Path, counted: list[str]) -> None:
     # the processes do not see what is replaced here, but find what is kept
-    chosen = [SMALLEST, Build("paper", "lean", 32, 24)]
+    chosen = [SMALLEST, Variant("paper", "lean", 32, 24)]
     options = {"synthesis": False, "place": False}
     alone = measure(chosen, tmp_path, **options)
     assert [found["profile"] for found in alone["builds"]] == ["robust", "paper"]
@@ -234,7 +234,7 @@ def test_clocks_are_counted_in_a_simulation_that_is_right(monkeypatch: pytest.Mo
     # Amaranth's simulator, so that nothing is compiled
     make = figures.make_engine
     monkeypatch.setattr(figures, "make_engine", lambda name, part, notify: make("amaranth", part))
-    parameters = profile("robust", max_width=20, max_height=16)
+    parameters = Parameters.profile("robust", max_width=20, max_height=16)
     found = clocks(parameters)
     assert found["clocks_per_frame"] == 320 and "amaranth" in found["engine"]
     monkeypatch.setattr(figures, "compare", lambda *_: [Mismatch(1, 0, 5, 6)])
@@ -286,7 +286,7 @@ def test_command_measures_what_is_asked_for(
 ) -> None:
     monkeypatch.chdir(tmp_path)
 
-    def measured(chosen: list[Build], folder: Path, *, notify: object, **rest: Any) -> Record:
+    def measured(chosen: list[Variant], folder: Path, *, notify: object, **rest: Any) -> Record:
         assert chosen == builds(sizes) and rest == expected
         return {"tools": TOOLS, "builds": [invented(build) for build in chosen]}
 

@@ -13,10 +13,10 @@ from amaranth.lib import wiring
 from rich.console import Console
 
 from evaluation.comparison import speed
-from golden import Parameters
+from hdl.build import Build
 from sim import Engine, make_engine
 
-SMALLEST = Parameters(max_width=32, max_height=32, buffering="lean")
+SMALLEST = Build.profile("paper", max_width=32, max_height=32, buffering="lean")
 
 
 def test_frame_is_the_photograph_and_its_mirror_images() -> None:
@@ -49,7 +49,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(speed, "FULL_HD", (16, 20))
     monkeypatch.setattr(speed, "SMALL", (15, 15))
     monkeypatch.setattr(speed, "make_engine", in_amaranth)
-    monkeypatch.setattr(speed, "Parameters", lambda: SMALLEST)
+    monkeypatch.setattr(speed, "Build", lambda: SMALLEST)
 
 
 def test_everything_as_json_and_as_tables(small: None) -> None:

@@ -8,7 +8,7 @@ import pytest
 from evaluation.inputs import boards
 from evaluation.inputs.boards import Board, reference_corners, rendered_board
 from evaluation.sections.chessboards import chessboards, nearest_errors
-from golden import PROFILES
+from golden import Parameters
 
 
 @pytest.mark.parametrize("number", [0, 3])
@@ -40,8 +40,10 @@ def test_study_of_boards() -> None:
     photographed = Board("as if photographed", rendered.image)
     empty = Board("no board", np.full((120, 160), 90, np.uint8))
     steps: list[int] = []
-    known = chessboards([rendered], {"robust": PROFILES["robust"]})
-    guessed = chessboards([photographed, empty], {"robust": PROFILES["robust"]}, notify=steps.append)
+    known = chessboards([rendered], {"robust": Parameters.profile("robust")})
+    guessed = chessboards(
+        [photographed, empty], {"robust": Parameters.profile("robust")}, notify=steps.append
+    )
     assert steps == [1, 2]
     assert (known["boards"], known["corners"], known["not_found"]) == (1, 54, 0)
     assert (guessed["boards"], guessed["corners"], guessed["not_found"]) == (1, 54, 1)
@@ -53,5 +55,5 @@ def test_study_of_boards() -> None:
 
 
 def test_without_any_board() -> None:
-    found = chessboards([Board("none", np.zeros((60, 80), np.uint8))], {"paper": PROFILES["paper"]})
+    found = chessboards([Board("none", np.zeros((60, 80), np.uint8))], {"paper": Parameters.profile("paper")})
     assert found["boards"] == 0 and found["profiles"]["paper"]["methods"]["nine"]["median"] is None

@@ -18,10 +18,11 @@ from evaluation.methods.detectors import (
     budget,
     detectors,
 )
-from golden import PROFILES, Settings, detect
-from golden.parameters import MARGIN
+from golden import PROFILES, Parameters, Settings, detect
+from golden.formats import MARGIN
+from tests.support import profiles
 
-ALL = detectors(dict(PROFILES))
+ALL = detectors(profiles.ALL)
 
 
 def test_names_differ() -> None:
@@ -49,7 +50,7 @@ def test_nothing_in_a_flat_image(detector: Detector) -> None:
 @pytest.mark.parametrize("name", PROFILES)
 def test_the_strongest_are_those_that_a_higher_threshold_leaves(name: str, camera: NDArray[np.uint8]) -> None:
     """In the hardware one raises sigma1 until so many are left; here one cuts the ranking."""
-    detector = Ours(name, PROFILES[name])
+    detector = Ours(name, Parameters.profile(name))
     settings = Settings.default(detector.parameters, sigma1=0.12, sigma2=USUAL.sigma2)
     left = detect(camera, detector.parameters, settings)
     ranked = detector.ranked(camera, USUAL)[: len(left)]
@@ -59,7 +60,7 @@ def test_the_strongest_are_those_that_a_higher_threshold_leaves(name: str, camer
 
 @pytest.mark.parametrize("name", PROFILES)
 def test_without_filter_nothing_is_rejected(name: str, camera: NDArray[np.uint8]) -> None:
-    parameters = PROFILES[name]
+    parameters = Parameters.profile(name)
     plain = Ours(name, parameters, filtered=False).at(camera, USUAL)
     everything = detect(camera, parameters, Settings(sigma1=USUAL.sigma1, report_rejected=True))
     assert len(plain) == len(everything)

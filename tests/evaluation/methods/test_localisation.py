@@ -10,21 +10,21 @@ from numpy.typing import NDArray
 
 from evaluation.inputs.scenes import scene
 from evaluation.methods.localisation import INTEGER, OPENCV, corner_sub_pix, methods, place
-from golden import PROFILES, Settings, detect
+from golden import PROFILES, Parameters, Settings, detect
+from golden.algorithm import Fit
 from golden.detector import RESPONSE_MARGIN, response_map
-from golden.parameters import Fit
 
 SETTINGS = Settings(sigma1=0.02)
 
 
 @pytest.mark.parametrize("profile", PROFILES)
 def test_every_corner_by_every_method(profile: str, camera: NDArray[np.uint8]) -> None:
-    parameters = PROFILES[profile]
+    parameters = Parameters.profile(profile)
     found = place(camera[:200, :200], parameters, SETTINGS)
     assert set(found.positions) == set(methods(parameters)) == {INTEGER, OPENCV, *get_args(Fit)}
     own = detect(camera[:200, :200], parameters, Settings(sigma1=0.02, report_rejected=True))
     assert len(own) > 40
-    assert np.array_equal(found.positions[parameters.fit], np.column_stack([own.x, own.y]))
+    assert np.array_equal(found.positions[parameters.algorithm.fit], np.column_stack([own.x, own.y]))
     assert np.array_equal(found.accepted, own.accepted)
 
 
@@ -36,17 +36,17 @@ def test_a_mark_where_no_corner_can_be_changes_nothing(profile: str, camera: NDA
     plain[:9, :9] = 0
     marked[:9, :9] = 0
     marked[:3, :3] = 255
-    found, same = (place(image, PROFILES[profile], SETTINGS) for image in (marked, plain))
+    found, same = (place(image, Parameters.profile(profile), SETTINGS) for image in (marked, plain))
     assert len(found.accepted) > 40
     assert all(np.array_equal(found.positions[name], same.positions[name]) for name in same.positions)
 
 
 def test_whole_pixels_are_local_maxima(camera: NDArray[np.uint8]) -> None:
     """By a plain search: the largest of nine, in raster order, half a pixel from the fit at most."""
-    found = place(camera, PROFILES["paper"], SETTINGS)
+    found = place(camera, Parameters.profile("paper"), SETTINGS)
     pixels = found.positions[INTEGER]
     assert np.array_equal(pixels, np.rint(pixels))
-    responses = response_map(camera, PROFILES["paper"])
+    responses = response_map(camera, Parameters.profile("paper"))
     for x, y in pixels.astype(int) - RESPONSE_MARGIN:
         patch = responses[y - 1 : y + 2, x - 1 : x + 2].copy()
         centre, patch[1, 1] = patch[1, 1], -1
@@ -58,11 +58,11 @@ def test_whole_pixels_are_local_maxima(camera: NDArray[np.uint8]) -> None:
 
 def test_nearest() -> None:
     each = scene("saddle", 0, 90, inverted=False, noise=0)
-    found = place(each.image, PROFILES["robust"], SETTINGS)
+    found = place(each.image, Parameters.profile("robust"), SETTINGS)
     corner = found.nearest(each.x, each.y, 4)
     assert corner is not None
     assert found.nearest(each.x + 30, each.y, 4) is None
-    flat = place(np.full((40, 40), 9, np.uint8), PROFILES["robust"], SETTINGS)
+    flat = place(np.full((40, 40), 9, np.uint8), Parameters.profile("robust"), SETTINGS)
     assert flat.nearest(20, 20, 100) is None
     assert all(positions.shape == (0, 2) for positions in flat.positions.values())
 

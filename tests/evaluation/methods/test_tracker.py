@@ -13,10 +13,10 @@ from evaluation.inputs.sources import Pair
 from evaluation.methods.detectors import MODES, Memory, detectors
 from evaluation.methods.tracker import LEAST_CORRELATION, WINDOW, track
 from evaluation.sections.robustness import Score, corners_of, farthest, robustness, score, trackable
-from golden import PROFILES
+from tests.support import profiles
 
 HALF = WINDOW // 2
-ALL = detectors(dict(PROFILES))
+ALL = detectors(profiles.ALL)
 
 
 @pytest.fixture

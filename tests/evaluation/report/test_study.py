@@ -25,7 +25,7 @@ from evaluation.report.page import page
 from evaluation.report.plots import plots
 from evaluation.report.study import SECTIONS, Own
 from evaluation.sections.accuracy import paper_scenes
-from golden import PROFILES
+from golden import PROFILES, Parameters
 from golden.version import VERSION
 from tests.support.runner import CliRunner
 
@@ -61,10 +61,11 @@ def test_one_object_that_json_can_hold() -> None:
     assert found == measured()
     too_long = {"adaptation", "references", "word_lengths"}
     assert {*SECTIONS, "about", "pairs"} - too_long == set(found)
-    for name, parameters in PROFILES.items():
+    for name in PROFILES:
+        parameters = Parameters.profile(name)
         for kind in KINDS:
             assert 0 < found["accuracy"][name][kind]["median"] < 4
-        assert found["accuracy"][name]["fit"] == parameters.fit
+        assert found["accuracy"][name]["fit"] == parameters.algorithm.fit
         assert len(found["table5"][name]["rows"]) == 8
     assert found["about"]["version"] == VERSION and found["about"]["quick"]
     assert found["about"]["packages"]["OpenCV"] and found["about"]["packages"]["numpy"]
@@ -97,7 +98,7 @@ def test_every_figure_has_an_interval_around_it() -> None:
 def test_sections_can_be_chosen() -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("evaluation.sections.accuracy._elsewhere", lambda positions: iter(()))
-        found = study.study(sections=("table5",), profiles={"paper": PROFILES["paper"]})
+        found = study.study(sections=("table5",), profiles={"paper": Parameters.profile("paper")})
     assert set(found) == {"about", "table5"} and set(found["table5"]) == {"paper"}
     assert "Table 5" in page(found)
 

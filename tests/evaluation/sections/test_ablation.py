@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from golden import Parameters
+
 pytest.importorskip("cv2")
 
 from dataclasses import replace
@@ -13,12 +15,11 @@ from evaluation.inputs.sources import TEXTURE, NamedImage, Pair
 from evaluation.inputs.views import VIEWS, rendered_pairs
 from evaluation.methods.detectors import PLAIN, Ours
 from evaluation.sections.ablation import ADAPTIVE, PAPER_FILTER, chosen, steps, texture
-from golden import PROFILES
 from tests.support.photographs import photograph
 
 
 def test_the_last_step_is_the_profile_but_for_its_buffers() -> None:
-    last, robust = steps()[-1], PROFILES["robust"]
+    last, robust = steps()[-1], Parameters.profile("robust")
     assert isinstance(last, Ours) and last.name == ADAPTIVE and last.filtered
     buffers = {name: getattr(robust, name) for name in ("buffering", "max_width", "max_height")}
     assert replace(last.parameters, **buffers) == robust

@@ -10,9 +10,10 @@ from evaluation.inputs.scenes import KINDS, Scene, scene
 from evaluation.methods.localisation import INTEGER, OPENCV
 from evaluation.sections import accuracy
 from evaluation.sections.accuracy import Outcome, figures, kind_figures, paper_scenes, table_5, wide
-from golden import PROFILES, Settings, profile
+from golden import PROFILES, Parameters, Settings
+from tests.support import profiles
 
-ROBUST = PROFILES["robust"]
+ROBUST = Parameters.profile("robust")
 
 
 def test_a_scene_that_is_found() -> None:
@@ -38,7 +39,7 @@ def test_a_scene_without_a_corner_where_it_should_be() -> None:
 
 
 def test_a_corner_that_the_filter_rejects_is_found_but_not_accepted() -> None:
-    parameters = profile("paper")
+    parameters = Parameters.profile("paper")
     each = scene("L", 0, 90, inverted=False, noise=0)
     strict, lax = Outcome(), Outcome()
     strict.add(each, parameters, Settings(sigma2=0.01))
@@ -69,7 +70,7 @@ def test_figures_of_nothing() -> None:
 
 def test_inwards_is_towards_the_inside_of_a_wedge(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scenes, "ORIENTATIONS", (0, 75, 200))
-    found = wide({"paper": profile("paper")}, quick=True)["paper"]
+    found = wide({"paper": Parameters.profile("paper")}, quick=True)["paper"]
     # the peak of D lies inside, which is why a gradient step is wanted
     assert 1 < found["L"]["inwards"][INTEGER]["value"] < 2.5
     assert abs(found["L"]["inwards"]["gradient"]["value"]) < 0.4
@@ -79,19 +80,20 @@ def test_inwards_is_towards_the_inside_of_a_wedge(monkeypatch: pytest.MonkeyPatc
 def test_wide_set_has_every_profile_and_kind(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scenes, "ORIENTATIONS", (0, 45))
     steps: list[int] = []
-    found = wide(dict(PROFILES), quick=True, notify=steps.append)
+    found = wide(profiles.ALL, quick=True, notify=steps.append)
     assert steps == list(range(1, 2 * 2 * len(KINDS) + 1))
     assert list(found) == list(PROFILES)
-    for name, parameters in PROFILES.items():
+    for name in PROFILES:
+        parameters = Parameters.profile(name)
         for kind in KINDS:
             each = found[name][kind]
-            assert each["median"] == each["methods"][parameters.fit]["median"]
+            assert each["median"] == each["methods"][parameters.algorithm.fit]["median"]
             assert each["scenes"] == 4 and set(each["median_by_noise"]) == {"3"}
 
 
 def test_table_5_has_its_eight_rows_and_their_mean(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(accuracy, "_elsewhere", lambda positions: iter(paper_scenes()[:1]))
-    parameters = profile("paper")
+    parameters = Parameters.profile("paper")
     found = table_5({"paper": parameters})["paper"]
     assert [row["shape"] for row in found["rows"]] == [
         *(f"{degrees}° corner" for degrees in (0, 30, 45, 60)),

@@ -10,9 +10,10 @@ import pytest
 from PIL import Image
 
 from evaluation.sections.limits import PICTURE, board, on_board, picture, wander
-from golden import Settings, detect, profile
+from golden import Parameters, Settings, detect
+from golden.algorithm import Fit
 from golden.detector import response_map
-from golden.parameters import MARGIN, Fit
+from golden.formats import MARGIN
 from golden.subpixel import offset_limit
 from tests.support.photographs import PHOTOGRAPHS, photograph
 
@@ -28,8 +29,8 @@ def cells(first: str) -> list[float]:
 
 @pytest.mark.parametrize("square", [2, 3, 4, 5, 6, 8])
 def test_boards(square: int) -> None:
-    found = on_board(square, profile("robust"))
-    responses = response_map(board(square), profile("robust"))
+    found = on_board(square, Parameters.profile("robust"))
+    responses = response_map(board(square), Parameters.profile("robust"))
     assert cells(str(square)) == [
         square,
         *found[:2],
@@ -38,16 +39,16 @@ def test_boards(square: int) -> None:
         responses.max(),
     ]
     if square == 3:
-        assert on_board(square, profile("robust", fit="nine")) == (found.there, found.there, 0)
+        assert on_board(square, Parameters.profile("robust", fit="nine")) == (found.there, found.there, 0)
     assert found.found == (0 if square in (2, 4) else found.there)
 
 
 @pytest.mark.parametrize("square", [2, 3, 4, 5, 6, 8])
 def test_boards_of_the_paper(square: int) -> None:
-    assert on_board(square, profile("paper")).found == 0
-    assert on_board(square, profile("paper", ties="first")).found == 0
-    peaks = detect(board(square), profile("paper", ties="first"), Settings(sigma2=15.9))
-    there = on_board(square, profile("paper")).there
+    assert on_board(square, Parameters.profile("paper")).found == 0
+    assert on_board(square, Parameters.profile("paper", ties="first")).found == 0
+    peaks = detect(board(square), Parameters.profile("paper", ties="first"), Settings(sigma2=15.9))
+    there = on_board(square, Parameters.profile("paper")).there
     assert len(peaks) == there if square >= 5 else square == 3 or len(peaks) == 0
 
 
@@ -73,7 +74,7 @@ def test_where_soft_corners_are_better_placed_by_a_surface() -> None:
 
 
 def test_corners_of_a_surface_keep_their_distance_from_the_edges(camera: np.ndarray) -> None:
-    found = detect(camera, profile("paper"), Settings(reference="constant"))
+    found = detect(camera, Parameters.profile("paper"), Settings(reference="constant"))
     nearest = min(axis.min() for axis in (found.x, found.y, 511 - found.x, 511 - found.y))
     assert nearest == MARGIN - offset_limit("nine") / 128 == 6.5
     assert "between 6.5 and W - 7.5 with a surface" in TEXT
@@ -83,7 +84,7 @@ def test_corners_of_a_surface_keep_their_distance_from_the_edges(camera: np.ndar
 def test_corners_of_the_gradient_step_may_be_nearer_than_seven_pixels(begins: int, there: bool) -> None:
     image = np.full((60, 60), 60, np.uint8)
     image[begins:30, begins:30] = 200
-    found = detect(image, profile("robust"))
+    found = detect(image, Parameters.profile("robust"))
     off = np.hypot(found.x - begins + 0.5, found.y - begins + 0.5).min()
     assert (off < 0.1) == there
     assert MARGIN - offset_limit("gradient") / 128 == 3
@@ -94,7 +95,7 @@ def test_refined_corners_of_photographs_and_how_near_they_are() -> None:
     corners = near = left = 0
     nearest = np.inf
     for image in map(photograph, PHOTOGRAPHS):
-        found = detect(image, profile("robust", suppression=3), Settings(reference="constant"))
+        found = detect(image, Parameters.profile("robust", suppression=3), Settings(reference="constant"))
         apart = np.hypot(found.x[:, None] - found.x, found.y[:, None] - found.y)
         np.fill_diagonal(apart, np.inf)
         corners += len(found)

@@ -11,7 +11,7 @@ from cornerstream.eval_tables import tables
 from evaluation.report.page import flicker, hot_pixels, page
 from evaluation.report.study import about
 from evaluation.sections import references
-from golden import PROFILES
+from tests.support import profiles
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +20,7 @@ def found() -> dict[str, Any]:
         patch.setattr(references, "PHOTOGRAPHS", ("brick",))
         patch.setattr(references, "DRAWS", 1)
         patch.setattr(references, "FRAMES", 8)
-        return references.references(dict(PROFILES))
+        return references.references(profiles.ALL)
 
 
 def test_a_rank_forgets_hot_pixels_and_an_average_flicker(found: dict[str, Any]) -> None:
@@ -44,5 +44,10 @@ def test_its_tables(found: dict[str, Any]) -> None:
     for headings, rows in (hot_pixels(found), flicker(found)):
         assert len(rows) >= 5 and all(len(row) == len(headings) == 5 for row in rows)
     assert [table.row_count for table in tables({"references": found})] == [5, 6]
-    text = page({"about": about(dict(PROFILES), quick=False), "references": found})
+    text = page(
+        {
+            "about": about(profiles.ALL, quick=False),
+            "references": found,
+        }
+    )
     assert "## What thresholds are fractions of" in text and "| rank 32 |" in text

@@ -23,9 +23,9 @@ from evaluation.sections.repeatability import (
     repeatability,
     scores,
 )
-from golden import PROFILES
+from tests.support import profiles
 
-ALL = detectors(dict(PROFILES))
+ALL = detectors(profiles.ALL)
 EQUAL = MODES[0]
 SHIFT = np.array([[1, 0, -20], [0, 1, -12], [0, 0, 1.0]])
 

@@ -11,11 +11,11 @@ from evaluation.inputs.sources import photographs
 from evaluation.report.plots import plots
 from evaluation.report.word_lengths_page import word_lengths_tables
 from evaluation.sections import word_lengths
-from golden import PROFILES
+from golden import Parameters
 from golden.convolution import smooth
 from golden.detector import response_map
 
-ROBUST = PROFILES["robust"]
+ROBUST = Parameters.profile("robust")
 
 
 def test_smoothing_with_all_bits_is_goldens() -> None:
@@ -44,7 +44,7 @@ def test_detections_get_fewer_in_common_bit_by_bit() -> None:
 
 
 def test_narrow_detectors_have_narrow_responses() -> None:
-    fields = {name: getattr(ROBUST, name) for name in ROBUST.__dataclass_fields__}
+    fields = vars(ROBUST)
     narrow = word_lengths._Narrow(**fields, cut=3)
     assert (narrow.response_bits, narrow.product_bits) == (ROBUST.response_bits - 3, ROBUST.product_bits)
 

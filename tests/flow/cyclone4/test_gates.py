@@ -10,8 +10,8 @@ import pytest
 
 from flow.cyclone4.gates import gate_level_verilog
 from flow.cyclone4.synthesis import Synthesis, synthesize
-from golden import Settings, StreamModel, profile
-from golden.parameters import Buffering
+from golden import Settings, StreamModel
+from hdl.build import Buffering, Build
 from hdl.detector import Detector
 from sim import Stalls, compare, compiler, make_engine, simulate_frames, summarize
 from tests.support.photographs import photograph
@@ -22,7 +22,7 @@ SETTINGS = Settings(sigma1=0.01, sigma2=0.2, report_rejected=True)
 
 @cache
 def synthesized(buffering: Buffering) -> Synthesis:
-    return synthesize(profile("paper", max_width=WIDTH, max_height=HEIGHT, buffering=buffering))
+    return synthesize(Build.profile("paper", max_width=WIDTH, max_height=HEIGHT, buffering=buffering))
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from amaranth.lib.wiring import In, Out
 from golden import Parameters, Settings
 from golden.preprocessing import Image
 from golden.video import Event, VideoModel, VideoSettings, marked
+from hdl.build import Build
 from hdl.edges.avalon import AvalonCore
 from hdl.edges.register_map import IDENTITY, register_map
 from hdl.output_constructor import record_layout
@@ -24,7 +25,7 @@ from tests.support.blocks import NO_STALLS, engine
 from tests.support.photographs import photograph
 
 WIDTH, HEIGHT = 33, 24
-PARAMETERS = Parameters(max_width=WIDTH, max_height=HEIGHT, autostart=True)
+PARAMETERS = Build.profile("paper", max_width=WIDTH, max_height=HEIGHT, autostart=True)
 BEAT = data.StructLayout({"data": 8, "start": 1, "end": 1})
 CONTROL_PACKET = [0xF, 0, 0, 2, 1, 0, 0, 1, 8, 3]
 SIGMA1 = Settings.default(PARAMETERS).sigma1_fixed
@@ -182,4 +183,4 @@ def test_registers() -> None:
 
 def test_no_video_out() -> None:
     with pytest.raises(ValueError, match="video_out is True; allowed with Avalon edges: False"):
-        AvalonCore(Parameters(video_out=True))
+        AvalonCore(Build.profile("paper", video_out=True))

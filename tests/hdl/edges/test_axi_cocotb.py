@@ -12,7 +12,7 @@ from zlib import crc32
 import pytest
 
 from flow.verilog import convert
-from golden import Parameters, profile
+from hdl.build import Build
 from hdl.edges.axi import AxiCore
 from sim.cocotb_bench import Bench, Result, build_bench, check
 from tests.benches.axi import environment
@@ -20,14 +20,15 @@ from tests.benches.axi import environment
 SMALL = {"max_width": 40, "max_height": 32}
 ODD = {"max_width": 37, "max_height": 29}
 BUILDS = {
-    "paper-banked": profile("paper", **SMALL),
-    "paper-lean": profile("paper", buffering="lean", **ODD),
-    "robust-banked": profile("robust", buffering="banked", **ODD),
-    "robust-lean": profile("robust", **SMALL),
-    "paper-banked-video": profile("paper", video_out=True, **ODD),
-    "robust-lean-video": profile("robust", video_out=True, **SMALL),
-    "robust-budget": profile("robust", budget=True, suppression=2, **SMALL),
-    "mixture": Parameters(
+    "paper-banked": Build.profile("paper", **SMALL),
+    "paper-lean": Build.profile("paper", buffering="lean", **ODD),
+    "robust-banked": Build.profile("robust", buffering="banked", **ODD),
+    "robust-lean": Build.profile("robust", **SMALL),
+    "paper-banked-video": Build.profile("paper", video_out=True, **ODD),
+    "robust-lean-video": Build.profile("robust", video_out=True, **SMALL),
+    "robust-budget": Build.profile("robust", budget=True, suppression=2, **SMALL),
+    "mixture": Build.profile(
+        "paper",
         pixel_bits=10,
         gradient="signed",
         fit="six",
@@ -39,8 +40,8 @@ BUILDS = {
     ),
 }
 LARGE = {
-    "paper-banked-video-large": profile("paper", video_out=True, max_width=256, max_height=192),
-    "robust-lean-video-large": profile("robust", video_out=True, max_width=256, max_height=192),
+    "paper-banked-video-large": Build.profile("paper", video_out=True, max_width=256, max_height=192),
+    "robust-lean-video-large": Build.profile("robust", video_out=True, max_width=256, max_height=192),
 }
 """For photographs that show something; and so wide that what is held back is rows, and not what there is to spare."""
 MODULES = ("matrix", "registers", "settings", "malformed", "stress")

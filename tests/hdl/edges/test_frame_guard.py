@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from golden import Parameters, Settings
+from golden import Settings
 from golden.video import Event, VideoModel, VideoSettings, marked
+from hdl.build import Build
 from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard
 from tests.hdl.edges.bench import counted, put, simulate
 from tests.support.malformed import FAULTS, Beats, whole
 
-PARAMETERS = Parameters(max_width=20, max_height=18)
+PARAMETERS = Build.profile("paper", max_width=20, max_height=18)
 WIDTH, HEIGHT = 17, 15
 IMAGE = np.arange(WIDTH * HEIGHT, dtype=np.uint8).reshape(HEIGHT, WIDTH)
 

@@ -8,11 +8,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from golden import Parameters, Settings, profile
-from golden.parameters import MARGIN, SUPPORT
+from golden import Parameters, Settings
+from golden.formats import MARGIN, SUPPORT
 from golden.preprocessing import Image
 from golden.thresholds import thresholds
 from golden.video import VideoSettings, marked
+from hdl.build import Build
 from hdl.edges.overlay import Overlay
 from sim import Stalls, Stimulus
 from tests.hdl.edges.components import PlainVideoDetector, levels, packets, payloads
@@ -24,9 +25,9 @@ from tests.support.photographs import photograph
 
 MAX_WIDTH, MAX_HEIGHT = 150, 40
 BUILDS = {
-    "banked": profile("paper", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
-    "lean": profile("robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
-    "budget": profile(
+    "banked": Build.profile("paper", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
+    "lean": Build.profile("robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
+    "budget": Build.profile(
         "robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True, budget=True, suppression=2
     ),
 }
@@ -118,6 +119,6 @@ def test_malformed_video_comes_out_cut_and_then_exact(parameters: Parameters, st
 
 
 def test_memory() -> None:
-    lean, banked = (Overlay(Parameters(buffering=b, video_out=True)) for b in ("lean", "banked"))
+    lean, banked = (Overlay(Build.profile("paper", buffering=b, video_out=True)) for b in ("lean", "banked"))
     assert (lean.depth, banked.depth) == (7 * 1920 + 128, 9 * 1920 + 128)
     assert lean.memory_bits == lean.depth * 9

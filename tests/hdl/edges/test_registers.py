@@ -6,21 +6,22 @@ from typing import Any
 
 import pytest
 
-from golden import Parameters, Settings, profile
+from golden import Parameters, Settings
 from golden.video import Event
+from hdl.build import Build
 from hdl.edges.register_bank import RegisterBank
 from hdl.edges.register_map import ADDRESS_BITS, IDENTITY, Register, register_map
 from tests.hdl.edges.bench import simulate
 
 BUILDS = {
-    "paper": Parameters(),
-    "robust": profile("robust", max_width=640, max_height=480, video_out=True),
-    "odd": Parameters(
-        pixel_bits=10, max_width=15, max_height=8192, fit="six", patches="pixels", autostart=True
+    "paper": Build.profile("paper"),
+    "robust": Build.profile("robust", max_width=640, max_height=480, video_out=True),
+    "odd": Build.profile(
+        "paper", pixel_bits=10, max_width=15, max_height=8192, fit="six", patches="pixels", autostart=True
     ),
 }
 builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys())
-SMALL = Parameters(max_width=40, max_height=30)
+SMALL = Build.profile("paper", max_width=40, max_height=30)
 
 
 def registers(parameters: Parameters = SMALL) -> dict[str, Register]:
@@ -45,7 +46,7 @@ def test_map_is_sound(parameters: Parameters) -> None:
 
 def test_texts_say_what_was_built() -> None:
     """The golden model's words: bits that count as ``Settings.mean_weight`` has it, and what leaves corners out."""
-    paper, robust = registers(), registers(profile("robust", budget=True))
+    paper, robust = registers(), registers(Build.profile("robust", budget=True))
     assert paper["SIGMA2"].text.startswith("Texture threshold: ")
     assert robust["SIGMA2"].text.startswith("Weight of the local level of D")
     assert "bits 16:13; what is 2 or more counts as 15/8" in robust["SIGMA2"].fields[0].text

@@ -9,9 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from golden import Parameters, Settings, profile
+from golden import Parameters, Settings
 from golden.preprocessing import Image
 from golden.video import VideoModel, VideoSettings, marked
+from hdl.build import Build
 from hdl.edges.video_detector import VideoDetector
 from sim import Capture, Stalls, Stimulus
 from sim.engine import Engine
@@ -23,14 +24,16 @@ from tests.support.photographs import photograph
 
 MAX_WIDTH, MAX_HEIGHT = 40, 32
 BUILDS = {
-    f"{name}-{buffering}": profile(name, buffering=buffering, max_width=MAX_WIDTH, max_height=MAX_HEIGHT)
+    f"{name}-{buffering}": Build.profile(
+        name, buffering=buffering, max_width=MAX_WIDTH, max_height=MAX_HEIGHT
+    )
     for name in ("paper", "robust")
     for buffering in ("banked", "lean")
 } | {
-    "robust-budget": profile(
+    "robust-budget": Build.profile(
         "robust", budget=True, suppression=2, max_width=MAX_WIDTH, max_height=MAX_HEIGHT
     ),
-    "paper-budget": profile("paper", budget=True, max_width=MAX_WIDTH, max_height=MAX_HEIGHT),
+    "paper-budget": Build.profile("paper", budget=True, max_width=MAX_WIDTH, max_height=MAX_HEIGHT),
 }
 STALLS = {
     "flowing": Stalls(),

@@ -13,7 +13,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from numpy.typing import NDArray
 
-from golden import profile
+from hdl.build import Build
 from hdl.detector import Detector
 from hdl.parts.arithmetic import add_with_carry
 from sim.engine import EngineName
@@ -84,6 +84,6 @@ def test_it_is_one_adder() -> None:
 
 @pytest.mark.parametrize("name", ["paper", "robust"])
 def test_the_detector_has_no_multiplier(name: str) -> None:
-    text = rtlil.convert(Detector(profile(name)), name="top", emit_src=False)
+    text = rtlil.convert(Detector(Build.profile(name)), name="top", emit_src=False)
     assert "cell $add " in text
     assert "cell $mul " not in text and "cell $div" not in text and "cell $mod" not in text

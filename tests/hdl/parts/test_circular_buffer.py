@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.parameters import Buffering
+from hdl.build import Buffering
 from hdl.parts.circular_buffer import CircularBuffer
 from hdl.parts.stream import Beat, Columns
 from sim.engine import Engine, EngineName

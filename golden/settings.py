@@ -1,0 +1,167 @@
+"""How a detector is set: what can change from frame to frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from golden.checks import check_choice, check_fraction, check_integer, check_switch, check_type, plain_integer
+from golden.formats import (
+    BUDGET_SETTINGS,
+    MAX_PIXEL_BITS,
+    MEAN_WEIGHT_BITS,
+    MEAN_WEIGHT_FRACTION_BITS,
+    SIGMA2_INTEGER_BITS,
+    SIGMA_BITS,
+)
+from golden.parameters import Parameters
+
+Reference = Literal["previous", "constant"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What can change from frame to frame; the hardware latches it at each start of frame.
+
+    Constant and floor are by default those of 8-bit pixels; :meth:`default` has those of others.
+
+    Parameters
+    ----------
+    sigma1
+        Corner threshold, 0 <= sigma1 < 1: a corner has D > T1 = sigma1 · Dref. Rounded to 1/65536, but not to 0.
+    sigma2
+        Texture threshold, 0 <= sigma2 < 16: a corner has tau < T2 = sigma2 · Dref. Rounded to 1/65536, but not to 0.
+        With ``texture="mean"``: how much the local level of D counts, whatever Dref: 0, or 1/8 to 15/8, rounded
+        down to eighths.
+    reference
+        Dref: the largest D of the ``"previous"`` frame, or the ``"constant"``. The first frame after
+        reset has no previous one and uses the constant. Counted is D of the pixels at which a corner may be, smoothed
+        where the ``response_filter`` smooths it: a bright mark in the margin decides nothing.
+    constant
+        Dref where no previous frame counts, in units of D.
+    floor
+        Dref never falls below it, or a black frame would turn the next one's noise into corners.
+    report_rejected
+        Also report corners that the texture filter rejects, flagged ``TEXTURED``.
+    max_corners
+        Corners reported per frame, at most: the first ones in raster order, without those that the texture filter
+        rejects; of these, none after the last. 0: no limit. Only built with ``budget``.
+    target_corners
+        Corners per frame to aim at, without those that the texture filter rejects: T1 becomes what would have left
+        so many of the previous frame, but no less than sigma1 · floor; see ``golden.adaptation``. 0: T1 as above.
+        Only built with ``budget``.
+    reference_rank
+        Dref is the D that so many corners of the previous frame exceed, in place of its largest: a few
+        bright pixels then do not decide about all others. Where a frame has fewer corners Dref is the floor.
+        Counted are all peaks, with ``texture="mean"`` those with T > 0. 0: the largest. A target comes first. Only
+        built with ``budget``.
+    smoothing
+        What a target or a rank asks for moves by 1/2**smoothing of the way from frame to frame, 0 to 3: for lamps
+        that flicker. Only built with ``budget``.
+
+    Raises
+    ------
+    ValueError
+        Names the field, its value and what is allowed.
+    """
+
+    sigma1: float = 0.05
+    sigma2: float = 0.5
+    reference: Reference = "previous"
+    constant: int = 8192
+    floor: int = 1024
+    report_rejected: bool = False
+    max_corners: int = 0
+    target_corners: int = 0
+    reference_rank: int = 0
+    smoothing: int = 0
+
+    def __post_init__(self) -> None:
+        check_fraction("sigma1", self.sigma1, 1, SIGMA_BITS)
+        check_fraction("sigma2", self.sigma2, 1 << SIGMA2_INTEGER_BITS, SIGMA_BITS)
+        check_choice("reference", self.reference, Reference)
+        # how large they may be depends on the detector: see check()
+        largest = Parameters.profile("robust", pixel_bits=MAX_PIXEL_BITS).response_max
+        plain_integer(self, "constant", 1, largest)
+        plain_integer(self, "floor", 1, largest)
+        check_switch("report_rejected", self.report_rejected)
+        for field, bits in BUDGET_SETTINGS.items():
+            plain_integer(self, field, 0, (1 << bits) - 1)
+
+    @classmethod
+    def default(cls, parameters: Parameters, **changes: Any) -> Settings:
+        """Settings with ``constant`` and ``floor`` scaled to this detector's D, and ``changes`` applied.
+
+        1/16 and 1/128 of the range of A + B, which is what the class defaults are for 8-bit pixels.
+        """
+        check_type("parameters", parameters, Parameters)
+        bits = parameters.root_bits
+        return cls(**{"constant": 1 << (bits - 4), "floor": 1 << (bits - 7), **changes})
+
+    def check(self, parameters: Parameters) -> None:
+        """Raise ``ValueError`` if this detector cannot be set so.
+
+        Constant or floor exceed its D, sigma2 is none of its adaptive threshold's, or it lacks the budget asked for.
+        """
+        check_type("parameters", parameters, Parameters)
+        for field in ("constant", "floor"):
+            check_integer(field, getattr(self, field), 1, parameters.response_max)
+        smallest = 2**-MEAN_WEIGHT_FRACTION_BITS
+        largest = ((1 << MEAN_WEIGHT_BITS) - 1) * smallest
+        if (
+            parameters.algorithm.texture == "mean"
+            and self.sigma2 != 0
+            and not smallest <= self.sigma2 <= largest
+        ):
+            raise ValueError(
+                f"sigma2 is {self.sigma2!r}; allowed with texture 'mean': 0, or {smallest} to {largest}, in eighths"
+            )
+        for field in BUDGET_SETTINGS:
+            if not parameters.budget and (value := getattr(self, field)) != 0:
+                raise ValueError(
+                    f"{field} is {value!r}; allowed: 0, since the detector is built without budget"
+                )
+
+    def fixed(self, parameters: Parameters) -> dict[str, int]:
+        """All of them as the hardware takes them, whole numbers by the names of its inputs."""
+        return {
+            "sigma1": self.sigma1_fixed,
+            "sigma2": self.sigma2_fixed,
+            "use_constant": int(self.reference == "constant"),
+            "constant": self.constant,
+            "floor": self.floor,
+            "report_rejected": int(self.report_rejected),
+            **({field: getattr(self, field) for field in BUDGET_SETTINGS} if parameters.budget else {}),
+        }
+
+    @property
+    def by_rank(self) -> bool:
+        """Is Dref, where there is a frame before, what the rank asks for? A target comes first."""
+        return self.reference_rank > 0 and not self.target_corners
+
+    @property
+    def wanted_corners(self) -> int:
+        """How many corners the D exceed that is taken from one frame to the next; 0: none is."""
+        return self.target_corners or self.reference_rank
+
+    @property
+    def sigma1_fixed(self) -> int:
+        """sigma1 in units of 2**-SIGMA_BITS, as the hardware takes it."""
+        return min(round(self.sigma1 * (1 << SIGMA_BITS)), (1 << SIGMA_BITS) - 1)
+
+    def sigma2_used(self, parameters: Parameters) -> float:
+        """What sigma2 is rounded to in this detector."""
+        if parameters.algorithm.texture == "mean":
+            return self.mean_weight / (1 << MEAN_WEIGHT_FRACTION_BITS)
+        return self.sigma2_fixed / (1 << SIGMA_BITS)
+
+    @property
+    def mean_weight(self) -> int:
+        """sigma2 in eighths, as the adaptive threshold takes it; what is more than fits counts as the most."""
+        return min(self.sigma2_fixed >> (SIGMA_BITS - MEAN_WEIGHT_FRACTION_BITS), (1 << MEAN_WEIGHT_BITS) - 1)
+
+    @property
+    def sigma2_fixed(self) -> int:
+        """sigma2 in units of 2**-SIGMA_BITS, as the hardware takes it."""
+        limit = 1 << (SIGMA_BITS + SIGMA2_INTEGER_BITS)
+        return min(round(self.sigma2 * (1 << SIGMA_BITS)), limit - 1)

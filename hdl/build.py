@@ -1,0 +1,61 @@
+"""How a detector is built: what hardware has beside the parameters that it shares with the golden model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, Self
+
+from golden.checks import check_choice, check_switch, plain_integer
+from golden.parameters import Parameters
+
+Buffering = Literal["banked", "lean"]
+
+BUILDS: dict[str, dict[str, Any]] = {"paper": {"buffering": "banked"}, "robust": {"buffering": "lean"}}
+"""What each profile is built with, where it is not as usual."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Build(Parameters):
+    """A detector as hardware: its parameters, and what changes memory, delay or edges, but never a record.
+
+    Parameters
+    ----------
+    buffering
+        ``"banked"``: N+1 block RAMs per N×N window (Sec. 4.1); ``"lean"``: N-1 rows, one row sooner.
+        Changes memory and delay, never a record.
+    sqrt_bits_per_stage
+        Result bits per pipeline stage of the square root, 1 to 17. Hardware only.
+    queue_depth
+        Corners that can wait for the subpixel refinement, 8 to 1024, before the input has to. Hardware only:
+        changes delays, never a record.
+    video_out
+        Pass the pixels on, with a mark where a corner is. Hardware only; takes 7 rows of block RAM (``"lean"``) or 9.
+    autostart
+        Start enabled, with the settings of ``Settings.default`` and the largest frame, where nobody writes the
+        registers. Hardware only.
+
+
+    Raises
+    ------
+    ValueError
+        Names the field, its value and what is allowed.
+    """
+
+    buffering: Buffering = "lean"
+    sqrt_bits_per_stage: int = 1
+    queue_depth: int = 16
+    video_out: bool = False
+    autostart: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_choice("buffering", self.buffering, Buffering)
+        plain_integer(self, "sqrt_bits_per_stage", 1, 17)
+        plain_integer(self, "queue_depth", 8, 1024)
+        check_switch("video_out", self.video_out)
+        check_switch("autostart", self.autostart)
+
+    @classmethod
+    def profile(cls, name: str, **changes: Any) -> Self:
+        """The named profile as it is built by default, with some fields changed: see ``Parameters.profile``."""
+        return super().profile(name, **{**BUILDS.get(name, {}), **changes})

@@ -1,0 +1,56 @@
+"""What hardware has beside its parameters: what is refused, and what each profile is built with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from golden import Parameters
+from golden.algorithm import PROFILES
+from hdl.build import BUILDS, Build
+
+RANGES = {"sqrt_bits_per_stage": (1, 17), "queue_depth": (8, 1024)}
+
+
+@pytest.mark.parametrize("field", RANGES)
+def test_whole_numbers(field: str) -> None:
+    low, high = RANGES[field]
+    for value in (low, high):
+        assert getattr(Build(**{field: value}), field) == value
+    for value in (low - 1, high + 1, float(low), "8", None, True):
+        with pytest.raises(ValueError) as caught:
+            Build(**{field: value})
+        assert str(caught.value) == f"{field} is {value!r}; allowed: whole numbers from {low} to {high}"
+
+
+@pytest.mark.parametrize("value", ["other", "", None, 1, "LEAN"])
+def test_buffering(value: Any) -> None:
+    with pytest.raises(ValueError) as caught:
+        Build(buffering=value)
+    assert str(caught.value) == f"buffering is {value!r}; allowed: banked, lean"
+
+
+@pytest.mark.parametrize("field", ["video_out", "autostart"])
+def test_switches(field: str) -> None:
+    assert getattr(Build(**{field: True}), field) is True
+    with pytest.raises(ValueError, match=f"^{field} is 1; allowed: True or False$"):
+        Build(**{field: 1})
+
+
+def test_profiles() -> None:
+    assert set(BUILDS) == set(PROFILES)
+    assert Build.profile("paper").buffering == "banked" and Build.profile("robust") == Build()
+    other = Build.profile("paper", buffering="lean", fit="six", pixel_bits=4)
+    assert (other.buffering, other.algorithm.fit, other.pixel_bits) == ("lean", "six", 4)
+    assert other.changed(fit="nine", pixel_bits=8) == Build.profile("paper", buffering="lean")
+
+
+def test_what_is_shared_with_the_golden_model_is_refused_alike() -> None:
+    for fields in ({"fit": "ten"}, {"pixel_bits": 3}, {"suppression": 5}):
+        messages = []
+        for kind in (Parameters, Build):
+            with pytest.raises(ValueError) as caught:
+                kind.profile("robust", **fields)
+            messages.append(str(caught.value))
+        assert messages[0] == messages[1]
