@@ -10,7 +10,8 @@ __all__ = ["Corners", "Flag", "Parameters", "Settings", "__version__", "detect"]
 
 
 def __getattr__(name: str) -> Any:
-    # NumPy takes a good part of a second, in which the command could not be interrupted in good order
+    # NumPy takes a good part of a second, in which the command could not be interrupted in good
+    # order
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     import golden

@@ -1,7 +1,7 @@
 """``cornerstream`` as a process of its own: ``python -m cornerstream``.
 
-Here is what no command can do for itself: a signal that comes while modules are still being imported, and
-output that fails when the process ends.
+Here is what no command can do for itself: a signal that comes while modules are still being
+imported, and output that fails when the process ends.
 """
 
 from __future__ import annotations

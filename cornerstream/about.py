@@ -1,4 +1,6 @@
-"""What a run was made with, as the JSON of ``detect`` and ``simulate`` says it; docs/json.md describes all of it."""
+"""What a run was made with, as the JSON of ``detect`` and ``simulate`` says it; docs/json.md
+describes all of it.
+"""
 
 from __future__ import annotations
 

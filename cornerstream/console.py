@@ -50,7 +50,9 @@ def size(of: float) -> str:
 
 
 def show(table: Table) -> None:
-    """A table of results: in a file or pipe as wide as its text, in a narrow terminal without blanks beside it."""
+    """A table of results: in a file or pipe as wide as its text, in a narrow terminal without
+    blanks beside it.
+    """
     wanted = out.measure(table, options=out.options.update(width=_ANY_WIDTH)).maximum
     if not out.file.isatty():
         Console(file=out.file, width=wanted, markup=False).print(table)
@@ -71,7 +73,9 @@ def activity(text: str) -> Iterator[None]:
 
 @contextmanager
 def progress(text: str, total: int) -> Iterator[Callable[[int], None]]:
-    """A bar on stderr, moved by calling the result with what is done so far; nothing if it is no terminal."""
+    """A bar on stderr, moved by calling the result with what is done so far; nothing if it is no
+    terminal.
+    """
     console = Console(stderr=True)
     if not console.is_terminal:
         # rich would end a bar that nobody sees with an empty line

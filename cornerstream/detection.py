@@ -52,8 +52,8 @@ def detect(
 ) -> None:
     """Find the corners of IMAGE with the golden model, without hardware.
 
-    Thresholds are relative to the image's own largest response: what the hardware uses from the second
-    frame on while the scene stands still.
+    Thresholds are relative to the image's own largest response: what the hardware uses from the
+    second frame on while the scene stands still.
 
     \b
     Examples:

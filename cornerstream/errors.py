@@ -24,7 +24,9 @@ class Ended(click.ClickException):
 
 
 class BadInput(Ended):
-    """Something the user gave cannot be used; the message names it and what is allowed. Exit code 2."""
+    """Something the user gave cannot be used; the message names it and what is allowed. Exit code
+    2.
+    """
 
     exit_code = 2
 
@@ -86,7 +88,9 @@ def _in_one_line() -> Iterator[None]:
 
 
 class OneLineGroup(click.Group):
-    """A group of commands that end in one line at most, whatever ends them; without arguments, it shows its help."""
+    """A group of commands that end in one line at most, whatever ends them; without arguments, it
+    shows its help.
+    """
 
     def make_context(
         self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any

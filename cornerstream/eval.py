@@ -96,9 +96,9 @@ def evaluate(
 ) -> None:
     """Measure how good the corners are, and print it beside the paper's and OpenCV's.
 
-    Accuracy on rendered corners and chessboards, the paper's Table 5, repeatability on views of photographs, and the
-    paper's robustness on videos, for every profile, with 95 % intervals. Takes some minutes, and OpenCV, scikit-learn
-    and scikit-video (pip install 'cornerstream[eval]').
+    Accuracy on rendered corners and chessboards, the paper's Table 5, repeatability on views of
+    photographs, and the paper's robustness on videos, for every profile, with 95 % intervals. Takes
+    some minutes, and OpenCV, scikit-learn and scikit-video (pip install 'cornerstream[eval]').
 
     \b
     Examples:
@@ -151,7 +151,9 @@ def evaluate(
 
 
 def _sections(*, quick: bool, shown: bool) -> tuple[Section, ...]:
-    """What is measured unless the user says so: no minutes for what would not be ``shown`` as a table."""
+    """What is measured unless the user says so: no minutes for what would not be ``shown`` as a
+    table.
+    """
     left_out = NOT_QUICK if quick else ()
     return tuple(section for section in (TABULATED if shown else SECTIONS) if section not in left_out)
 

@@ -36,7 +36,8 @@ from flow.quartus.project import DEVICE, MANIFEST, project_files
 )
 @click.option("--force", is_flag=True, help="Write into a folder that holds other files, too.")
 def export(output: Path, clock: float, name: str, force: bool, **options: Any) -> None:
-    """Write the core as a Quartus project: Verilog, settings, constraints, and a script that compiles it.
+    """Write the core as a Quartus project: Verilog, settings, constraints, and a script that
+    compiles it.
 
     An earlier export in the same folder is replaced; what Quartus made of it stays.
 

@@ -1,4 +1,6 @@
-"""Output files: tables of corners, the picture, folders of a command's own; written whole, or not at all."""
+"""Output files: tables of corners, the picture, folders of a command's own; written whole, or not
+at all.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ PICTURE_NAME = "corners.png"
 
 
 def corners_json(corners: Corners, **about: Any) -> str:
-    """The corners as a JSON object: what is said ``about`` them, and ``corners``, a list of objects."""
+    """The corners as a JSON object: what is said ``about`` them, and ``corners``, a list of
+    objects.
+    """
     columns = corners.to_dict()
     rows = zip(*(values.tolist() for values in columns.values()), strict=True)
     return json.dumps({**about, "corners": [dict(zip(columns, row, strict=True)) for row in rows]})
@@ -71,7 +75,9 @@ def _refuse_folder(path: Path) -> None:
 
 
 def check_distinct(*paths: Path | None) -> None:
-    """:class:`BadInput` if two of these are one and the same file, whatever they are called; None is no file."""
+    """:class:`BadInput` if two of these are one and the same file, whatever they are called; None
+    is no file.
+    """
     seen: dict[str, Path] = {}
     for path in filter(None, paths):
         same = seen.setdefault(os.path.realpath(path), path)
@@ -87,8 +93,8 @@ def result_paths(folder: Path) -> list[Path]:
 def write_all(contents: Mapping[Path, bytes]) -> None:
     """Write files under temporary names, renamed when all are complete: none is ever half written.
 
-    A link stays, and what it leads to is replaced. What is no regular file, such as a pipe or a device, is
-    written to when all else could be.
+    A link stays, and what it leads to is replaced. What is no regular file, such as a pipe or a
+    device, is written to when all else could be.
     """
     temporary: dict[Path, Path] = {}
     for path in contents:
@@ -121,7 +127,9 @@ def _target(path: Path) -> Path:
 
 
 def _is_written_through(path: Path) -> bool:
-    """Whether there is something that must stay: a pipe, a device, or what stdout or stderr lead to."""
+    """Whether there is something that must stay: a pipe, a device, or what stdout or stderr lead
+    to.
+    """
     try:
         status = path.stat()
     except OSError:
@@ -150,7 +158,9 @@ def _cannot_write(path: Path, error: OSError) -> BadInput:
 
 
 def read_figures(path: Path, make: Callable[[dict[str, Any]], Made]) -> Made:
-    """What is made of figures that were measured before; :class:`BadInput` if there are none, or others."""
+    """What is made of figures that were measured before; :class:`BadInput` if there are none, or
+    others.
+    """
     allowed = "allowed: what was measured before"
     try:
         figures = json.loads(path.read_text(encoding="utf-8"))
@@ -165,7 +175,8 @@ def read_figures(path: Path, make: Callable[[dict[str, Any]], Made]) -> Made:
 
 
 def earlier_files(folder: Path, manifest: str, what: str, *, force: bool) -> set[str]:
-    """Files of an earlier run into this folder, known by its manifest; :class:`BadInput` if it is somebody else's.
+    """Files of an earlier run into this folder, known by its manifest; :class:`BadInput` if it is
+    somebody else's.
 
     Parameters
     ----------
@@ -197,7 +208,9 @@ def _is_inside(name: str) -> bool:
 
 
 def write_folder(folder: Path, files: Mapping[str, str], old: set[str]) -> None:
-    """Write all files, by path relative to the folder, or none; then remove what belonged to the old ones only."""
+    """Write all files, by path relative to the folder, or none; then remove what belonged to the
+    old ones only.
+    """
     contents = {name: text.encode() for name, text in files.items()}
     if folder.exists():
         _write_into(folder, contents)

@@ -11,7 +11,9 @@ from cornerstream.errors import BadInput
 
 
 class Idle(NamedTuple):
-    """One option: by the name of its parameter; that it changes nothing as things are; what it takes to do so."""
+    """One option: by the name of its parameter; that it changes nothing as things are; what it
+    takes to do so.
+    """
 
     parameter: str
     changes_nothing: bool
@@ -19,9 +21,11 @@ class Idle(NamedTuple):
 
 
 def refuse_idle(*rules: Idle) -> None:
-    """:class:`BadInput` for the first option that was typed, differs from its default, and changes nothing.
+    """:class:`BadInput` for the first option that was typed, differs from its default, and changes
+    nothing.
 
-    Options that the command at hand does not have are passed over, so that commands can share rules.
+    Options that the command at hand does not have are passed over, so that commands can share
+    rules.
     """
     context = click.get_current_context()
     options = {each.name: each for each in context.command.params if isinstance(each, click.Option)}

@@ -46,8 +46,8 @@ _USUAL = Settings()
 class _GivenPath(click.Path):
     """A path that was typed.
 
-    An empty one, such as a shell variable that is not set leaves, is none; neither is ``-``, which others take for
-    stdin or stdout, or there would be a file of that name.
+    An empty one, such as a shell variable that is not set leaves, is none; neither is ``-``, which
+    others take for stdin or stdout, or there would be a file of that name.
     """
 
     def __init__(self) -> None:
@@ -289,7 +289,9 @@ def output_option(default: str | None, text: str) -> Callable[[Command], Command
 
 
 def parameters_from(options: dict[str, Any]) -> Parameters:
-    """The detector that the command line describes, for the golden model; :class:`BadInput` if there is none."""
+    """The detector that the command line describes, for the golden model; :class:`BadInput` if
+    there is none.
+    """
     with bad_input():
         parameters = Parameters.profile(options["profile"], **_changes(options))
     _refuse_idle_patches(options, parameters)
@@ -297,7 +299,9 @@ def parameters_from(options: dict[str, Any]) -> Parameters:
 
 
 def build_from(options: dict[str, Any]) -> Build:
-    """The hardware that the command line describes; :class:`BadInput` if there is none, or none with such edges."""
+    """The hardware that the command line describes; :class:`BadInput` if there is none, or none
+    with such edges.
+    """
     changes = _changes(options)
     if changes.get("fit") == "printed":
         allowed = ", ".join(fit for fit in get_args(Fit) if fit != "printed")
@@ -330,7 +334,9 @@ def _refuse_idle_patches(options: dict[str, Any], parameters: Parameters) -> Non
 
 
 def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
-    """The thresholds that the command line asks for; corners that the texture filter rejects are reported."""
+    """The thresholds that the command line asks for; corners that the texture filter rejects are
+    reported.
+    """
     asked = {field: options[field] for field in _THRESHOLDS if options[field] is not None}
     with bad_input():
         # before what no detector at all could have

@@ -1,4 +1,6 @@
-"""What the user gives ``cornerstream eval`` to measure on: folders of photographs, pairs and boards, and videos."""
+"""What the user gives ``cornerstream eval`` to measure on: folders of photographs, pairs and
+boards, and videos.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ from golden.formats import MAX_SIDE
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp")
 LONGEST_PHOTOGRAPH = 1280
-"""Photographs of scenes and boards are shrunk to this: from there on they are no sharper, only larger."""
+"""Photographs of scenes and boards are shrunk to this: from there on they are no sharper, only
+larger.
+"""
 _HOMOGRAPHY = re.compile(r"H_?(\d+)(?:_to_|_|to)(\d+)p?(?:_\w+)?(?:\.txt)?")
 _ANY_SIZE = Parameters.profile("paper", max_width=MAX_SIDE, max_height=MAX_SIDE)
 
@@ -81,8 +85,8 @@ def load_boards(folder: Path, size: tuple[int, int] | None) -> list[Board]:
 def load_pairs(folder: Path) -> list[Pair]:
     """Pairs with homographies, of the folder itself and of its subfolders, each a scene.
 
-    Image files end in a number, ``1.png`` or ``img1.ppm``; ``H_1_3.txt``, ``H_1_3`` or ``H1to3p`` takes points of
-    image 1 to image 3.
+    Image files end in a number, ``1.png`` or ``img1.ppm``; ``H_1_3.txt``, ``H_1_3`` or ``H1to3p``
+    takes points of image 1 to image 3.
     """
     _files(folder, "images and homographies H_1_2.txt ...")
     pairs = []

@@ -39,9 +39,9 @@ from flow.package import MANIFEST, PackageInterface, package_files
 def package(output: Path, interface: PackageInterface, name: str, force: bool, **options: Any) -> None:
     """Write the core with all that other designs, tools and programs need of it.
 
-    Verilog and an example around it; descriptions for FuseSoC and Platform Designer; the registers as a page, as
-    CMSIS-SVD, as a C header with an example, and as a Python driver. An earlier package in the same folder is
-    replaced.
+    Verilog and an example around it; descriptions for FuseSoC and Platform Designer; the registers
+    as a page, as CMSIS-SVD, as a C header with an example, and as a Python driver. An earlier
+    package in the same folder is replaced.
 
     \b
     Examples:

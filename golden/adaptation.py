@@ -2,15 +2,16 @@
 
 With a target that is the next frame's T1; with a rank it is Dref, of which T1 is a fraction.
 
-All corners of a frame that the texture filter keeps, however small their D, are counted into a histogram of D. Its
-bins are those of a floating-point number: four to the octave, twice as wide from octave to octave; below the lowest
-octave four more of that one's width. The threshold is read off it: from the largest D downwards the bins are
-added up to the one in which the number is exceeded, and within that, as if its corners lay evenly, to 1/32 of its
-width.
+All corners of a frame that the texture filter keeps, however small their D, are counted into a
+histogram of D. Its bins are those of a floating-point number: four to the octave, twice as wide
+from octave to octave; below the lowest octave four more of that one's width. The threshold is read
+off it: from the largest D downwards the bins are added up to the one in which the number is
+exceeded, and within that, as if its corners lay evenly, to 1/32 of its width.
 
-The histogram does not depend on T1, so there is no loop that could swing: what comes out is a function of the last
-complete frame and the number alone. If the next frame has the same corners, it misses a target by no more than are in
-that bin. ``Settings.smoothing`` averages over frames: then it follows slowly.
+The histogram does not depend on T1, so there is no loop that could swing: what comes out is a
+function of the last complete frame and the number alone. If the next frame has the same corners, it
+misses a target by no more than are in that bin. ``Settings.smoothing`` averages over frames: then
+it follows slowly.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ COUNT_MAX = (1 << BUDGET_BITS) - 1
 def octaves(parameters: Parameters) -> int:
     """Octaves of D below full scale that have bins of their own.
 
-    The smallest bin is 8 wide; 16 with signed gradients of 8-bit pixels, twice as much with each bit of D more.
+    The smallest bin is 8 wide; 16 with signed gradients of 8-bit pixels, twice as much with each
+    bit of D more.
     """
     return min(MAX_OCTAVES, parameters.response_bits - 5)
 
@@ -62,8 +64,8 @@ def histogram(responses: IntArray, parameters: Parameters) -> NDArray[np.int64]:
 def adapted_threshold(counts: NDArray[np.int64], target: int, parameters: Parameters) -> int:
     """The D that about ``target`` corners exceed; 0 if there are no more than that.
 
-    need is how many are wanted of the bin that is looked at, and is smaller than its count in the one where the
-    descent ends. How much of that is wanted is found as a divider finds its bits.
+    need is how many are wanted of the bin that is looked at, and is smaller than its count in the
+    one where the descent ends. How much of that is wanted is found as a divider finds its bits.
     """
     edges = bin_edges(parameters)
     need = target

@@ -13,19 +13,25 @@ def is_whole(value: object) -> TypeGuard[int]:
 
 
 def check_type(name: str, value: object, kind: type) -> None:
-    """Raise ``TypeError`` naming the argument, what it is and what is allowed, unless it is of this kind."""
+    """Raise ``TypeError`` naming the argument, what it is and what is allowed, unless it is of this
+    kind.
+    """
     if not isinstance(value, kind):
         raise TypeError(f"{name} is a {type(value).__name__}; allowed: {kind.__name__}")
 
 
 def check_integer(field: str, value: object, low: int, high: int) -> None:
-    """Raise ``ValueError`` naming the field, its value and what is allowed, unless low <= value <= high."""
+    """Raise ``ValueError`` naming the field, its value and what is allowed, unless low <= value <=
+    high.
+    """
     if not (is_whole(value) and low <= int(value) <= high):
         raise ValueError(f"{field} is {value!r}; allowed: whole numbers from {low} to {high}")
 
 
 def check_choice(field: str, value: object, allowed: object) -> None:
-    """Raise ``ValueError`` naming the field, its value and what is allowed, unless the ``Literal`` lists it."""
+    """Raise ``ValueError`` naming the field, its value and what is allowed, unless the ``Literal``
+    lists it.
+    """
     choices = get_args(allowed)
     # an array would compare itself with each of them
     if not isinstance(value, str) or value not in choices:
@@ -39,13 +45,17 @@ def check_switch(field: str, value: object) -> None:
 
 
 def check_distance(name: str, value: object) -> None:
-    """Raise ``ValueError`` naming the argument, its value and what is allowed, unless it is a distance in pixels."""
+    """Raise ``ValueError`` naming the argument, its value and what is allowed, unless it is a
+    distance in pixels.
+    """
     if not _is_within(value, sys.float_info.max):
         raise ValueError(f"{name} is {value!r}; allowed: numbers of pixels from 0")
 
 
 def _is_within(value: object, most: float) -> TypeGuard[float]:
-    """Is this a number from 0 to ``most``? Not NaN; compared as it is, for a float holds not every whole number."""
+    """Is this a number from 0 to ``most``? Not NaN; compared as it is, for a float holds not every
+    whole number.
+    """
     return isinstance(value, Real) and not isinstance(value, bool) and bool(0 <= value <= most)  # type: ignore[operator]
 
 

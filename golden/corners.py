@@ -1,4 +1,6 @@
-"""Corners as Python has them: columns of numbers, chosen from, thinned out, compared and written down."""
+"""Corners as Python has them: columns of numbers, chosen from, thinned out, compared and written
+down.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ class Flag(IntFlag):
 
 
 class ByValue:
-    """Equality for dataclasses that hold arrays: that of all values. They have no hash, as arrays can change."""
+    """Equality for dataclasses that hold arrays: that of all values. They have no hash, as arrays
+    can change.
+    """
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
@@ -53,15 +57,16 @@ _KINDS: dict[str, tuple[type[np.generic], ...]] = {
 class Corners(ByValue):
     """Corners in raster order, as parallel arrays of one length; empty arrays where there are none.
 
-    Two of them are equal if all their values are. A slice, a mask or an array of indices chooses some:
-    ``corners[corners.accepted]``.
+    Two of them are equal if all their values are. A slice, a mask or an array of indices chooses
+    some: ``corners[corners.accepted]``.
 
     Attributes
     ----------
     x, y
         float64 position in pixels, the first pixel's centre at (0, 0), exact multiples of 1/128.
     response
-        int64 corner response D (float64 from the float reference, whose x and y are not quantised either).
+        int64 corner response D (float64 from the float reference, whose x and y are not quantised
+        either).
     flags
         uint8, bits of :class:`Flag`.
 
@@ -116,7 +121,9 @@ class Corners(ByValue):
         return points
 
     def to_dict(self) -> dict[str, NDArray[Any]]:
-        """Columns by name, as ``pandas.DataFrame`` takes them: x, y, response, and flags as booleans."""
+        """Columns by name, as ``pandas.DataFrame`` takes them: x, y, response, and flags as
+        booleans.
+        """
         return {
             "x": self.x,
             "y": self.y,
@@ -154,15 +161,17 @@ class Corners(ByValue):
         return None
 
     def apart(self, distance: float) -> Corners:
-        """Without each accepted corner that is nearer than ``distance`` pixels to a stronger one that stays.
+        """Without each accepted corner that is nearer than ``distance`` pixels to a stronger one
+        that stays.
 
-        From the strongest to the weakest (of equal responses the first in raster order is looked at first), a corner
-        stays if none that already stays is nearer. Corners that the texture filter rejected neither count nor go.
-        The rest are in raster order as before. In hardware there is no such step: it keeps only peaks apart
-        (``Parameters.suppression``), and refined positions may lie nearer to each other.
+        From the strongest to the weakest (of equal responses the first in raster order is looked at
+        first), a corner stays if none that already stays is nearer. Corners that the texture filter
+        rejected neither count nor go. The rest are in raster order as before. In hardware there is
+        no such step: it keeps only peaks apart (``Parameters.suppression``), and refined positions
+        may lie nearer to each other.
 
-        Each is compared with those in the nine cells around it of a grid as wide as the distance, where a cell holds
-        few: n·log n steps for n corners, by sorting.
+        Each is compared with those in the nine cells around it of a grid as wide as the distance,
+        where a cell holds few: n·log n steps for n corners, by sorting.
 
         Raises
         ------

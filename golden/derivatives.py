@@ -13,9 +13,10 @@ class Derivatives(NamedTuple, Generic[T]):
         [ xx  -xy] [dx]   [x]
         [-xy   yy] [dy] = [y]
 
-    Of a fitted surface: its second derivatives at the centre pixel, those along an axis negated, and its slopes:
-    xx = -2 L0, yy = -2 L1, xy = L2, x = L3, y = L4. At a maximum xx and yy are positive.
-    Of the gradient step: half of the squared distances' derivatives; see ``golden.normal_equations``.
+    Of a fitted surface: its second derivatives at the centre pixel, those along an axis negated,
+    and its slopes: xx = -2 L0, yy = -2 L1, xy = L2, x = L3, y = L4. At a maximum xx and yy are
+    positive. Of the gradient step: half of the squared distances' derivatives; see
+    ``golden.normal_equations``.
     """
 
     xx: T

@@ -38,7 +38,9 @@ def pixel_dtype(parameters: Parameters) -> np.dtype[np.unsignedinteger[Any]]:
 
 
 def chosen_parameters(parameters: Parameters | None) -> Parameters:
-    """The detector that was asked for, by default the profile ``paper``; ``TypeError`` if it is something else."""
+    """The detector that was asked for, by default the profile ``paper``; ``TypeError`` if it is
+    something else.
+    """
     if parameters is None:
         return Parameters.profile("paper")
     check_type("parameters", parameters, Parameters)
@@ -46,7 +48,9 @@ def chosen_parameters(parameters: Parameters | None) -> Parameters:
 
 
 def chosen_settings(settings: Settings | None, parameters: Parameters) -> Settings:
-    """The thresholds that were asked for; ``TypeError`` or ``ValueError`` if this detector cannot have them."""
+    """The thresholds that were asked for; ``TypeError`` or ``ValueError`` if this detector cannot
+    have them.
+    """
     if settings is None:
         return Settings.default(parameters)
     check_type("settings", settings, Settings)
@@ -55,7 +59,9 @@ def chosen_settings(settings: Settings | None, parameters: Parameters) -> Settin
 
 
 def check_image(image: object, parameters: Parameters) -> Image:
-    """The image itself if this detector can take it, else ``TypeError`` or ``ValueError`` saying why."""
+    """The image itself if this detector can take it, else ``TypeError`` or ``ValueError`` saying
+    why.
+    """
     check_type("parameters", parameters, Parameters)
     if not isinstance(image, np.ndarray) or isinstance(image, (np.ma.MaskedArray, np.matrix)):
         raise TypeError(f"image is a {type(image).__name__}; allowed: a plain NumPy array")
@@ -93,7 +99,8 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
 
 
 def peak_responses(responses: IntArray, parameters: Parameters) -> IntArray:
-    """The responses whose peaks are corners: of all pixels that can be reported, and as far around as that needs.
+    """The responses whose peaks are corners: of all pixels that can be reported, and as far around
+    as that needs.
 
     (height, width) in, (height - 8 + 2·suppression, width - 8 + 2·suppression) out.
     """
@@ -112,7 +119,9 @@ def largest_response(responses: IntArray, parameters: Parameters) -> int:
 
 
 def corner_map(responses: IntArray, t1: int, parameters: Parameters) -> NDArray[np.bool_]:
-    """E of all pixels that can be reported, from all responses: (height, width) in, (height-8, width-8) out."""
+    """E of all pixels that can be reported, from all responses: (height, width) in, (height-8,
+    width-8) out.
+    """
     return corner_detection(
         peak_responses(responses, parameters), t1, parameters.algorithm.ties, parameters.algorithm.suppression
     )
@@ -129,7 +138,8 @@ def frame_records(
 ) -> Records:
     """Records of one frame's corners, in raster order, from its pixels and their response map.
 
-    With ``pixels``, only of those whose whole support lies in the frame's first so many pixels, in raster order.
+    With ``pixels``, only of those whose whole support lies in the frame's first so many pixels, in
+    raster order.
     """
     radius = parameters.algorithm.suppression
     peaks = peak_responses(responses, parameters)
@@ -157,7 +167,9 @@ def frame_records(
 
 
 def within_budget(records: Records, settings: Settings) -> Records:
-    """Those of a frame's records that are reported: up to the last that ``max_corners`` allows to be accepted."""
+    """Those of a frame's records that are reported: up to the last that ``max_corners`` allows to
+    be accepted.
+    """
     if not settings.max_corners:
         return records
     accepted = np.flatnonzero(decode(records).accepted)
@@ -174,10 +186,12 @@ def next_adapted(
     settings: Settings,
     previous: int | None = None,
 ) -> int | None:
-    """The D that as many corners of a frame exceed as a target or a rank asks for; None if there is neither.
+    """The D that as many corners of a frame exceed as a target or a rank asks for; None if there is
+    neither.
 
-    Counted are the corners that the texture filter keeps, with or without ``report_rejected`` and ``max_corners``.
-    For a rank the paper's filter is not asked: T2, a fraction of what comes out, would make a loop of it.
+    Counted are the corners that the texture filter keeps, with or without ``report_rejected`` and
+    ``max_corners``. For a rank the paper's filter is not asked: T2, a fraction of what comes out,
+    would make a loop of it.
 
     Parameters
     ----------
@@ -197,7 +211,9 @@ def next_adapted(
 def frame_thresholds(
     image: Image, responses: IntArray, parameters: Parameters, settings: Settings, given: int | None
 ) -> tuple[int, Thresholds]:
-    """Dref and thresholds of an image by itself, with the given Dref if there is one: see :func:`detect`."""
+    """Dref and thresholds of an image by itself, with the given Dref if there is one: see
+    :func:`detect`.
+    """
     maximum = largest_response(responses, parameters)
     reference = choose_reference(settings, maximum) if given is None else given
     limits = thresholds(settings, reference, parameters)
@@ -223,9 +239,10 @@ def detect(
     parameters, settings
         The detector and its thresholds; by default the profile ``paper`` and ``Settings.default``.
     reference
-        Dref. By default the constant if the settings say so, else the image's own largest D: what the
-        hardware uses from the second frame on while the scene stands still, and OpenCV's ``qualityLevel``.
-        ``target_corners`` and ``reference_rank`` are likewise those of the image's own corners.
+        Dref. By default the constant if the settings say so, else the image's own largest D: what
+        the hardware uses from the second frame on while the scene stands still, and OpenCV's
+        ``qualityLevel``. ``target_corners`` and ``reference_rank`` are likewise those of the
+        image's own corners.
 
     Raises
     ------
@@ -267,8 +284,8 @@ def detection(
 class FrameResult(ByValue):
     """One frame as the hardware delivers it: all its records, the last one marking its end.
 
-    ``found`` counts the corners that ``max_corners`` left out, too; ``t1`` is the threshold they are above,
-    ``t2`` that of the texture filter, and ``reference`` Dref.
+    ``found`` counts the corners that ``max_corners`` left out, too; ``t1`` is the threshold they
+    are above, ``t2`` that of the texture filter, and ``reference`` Dref.
     """
 
     records: Records
@@ -283,7 +300,8 @@ class FrameResult(ByValue):
 class StreamModel:
     """The detector on a stream of frames: each frame's largest D is the next one's reference.
 
-    Likewise a frame's corners decide about the next one's T1 or reference, where both have a target or a rank.
+    Likewise a frame's corners decide about the next one's T1 or reference, where both have a target
+    or a rank.
     """
 
     def __init__(self, parameters: Parameters | None = None) -> None:

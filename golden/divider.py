@@ -1,8 +1,8 @@
 """Divider (Sec. 4.4): quotients up to a limit, rounded to 1/128.
 
-The paper looks reciprocals up in a table. Here the quotient's bits are found one after the other, each by one
-subtraction, as in the square root: with a few clocks for each corner that takes fewer cells than the table's
-multiplier, no memory, and is exact.
+The paper looks reciprocals up in a table. Here the quotient's bits are found one after the other,
+each by one subtraction, as in the square root: with a few clocks for each corner that takes fewer
+cells than the table's multiplier, no memory, and is exact.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ Int64 = NDArray[np.int64]
 
 
 def quotient_bits(limit: int) -> int:
-    """Bits found for quotients up to ``limit``, a power of two: one more than the result has, to round by."""
+    """Bits found for quotients up to ``limit``, a power of two: one more than the result has, to
+    round by.
+    """
     return limit.bit_length() + 1
 
 
@@ -27,9 +29,11 @@ QUOTIENT_BITS = quotient_bits(HALF)
 
 
 def divide(numerator: Int64, denominator: Int64, limit: int = HALF) -> Int64:
-    """numerator / denominator in units of 1/128, rounded to nearest, halves away from zero; at most ``limit``.
+    """numerator / denominator in units of 1/128, rounded to nearest, halves away from zero; at most
+    ``limit``.
 
-    numerator of either sign, ``|numerator| < 2**54``; denominator positive; limit a power of two of 1/128.
+    numerator of either sign, ``|numerator| < 2**54``; denominator positive; limit a power of two of
+    1/128.
     """
     magnitude = np.abs(numerator)
     halves = np.where(

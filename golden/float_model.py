@@ -1,11 +1,12 @@
 """The whole algorithm once more in plain float64, for reading beside the paper.
 
 Nothing is rounded: no integer square root, no rounding after the kernel, no quantised thresholds, a
-surface fit by linear algebra and no mantissas. Only the decisions (maximum, thresholds, clamp)
-are discrete, as in the paper itself. It shares no arithmetic with the bit-exact blocks, so that each can
-show up the other's mistakes.
+surface fit by linear algebra and no mantissas. Only the decisions (maximum, thresholds, clamp) are
+discrete, as in the paper itself. It shares no arithmetic with the bit-exact blocks, so that each
+can show up the other's mistakes.
 
-Every map has the size of the image and is indexed ``[y, x]``; NaN where the frame's edge leaves it undefined.
+Every map has the size of the image and is indexed ``[y, x]``; NaN where the frame's edge leaves it
+undefined.
 """
 
 from __future__ import annotations
@@ -101,7 +102,9 @@ def local_mean(responses: Map, x: int, y: int) -> float:
 
 
 def corner_map(responses: Map, t1: float, ties: Ties, radius: int = 1) -> NDArray[np.bool_]:
-    """E (Eqs. 3-5): D > T1 and D above its neighbours, wherever the 15x15 support lies in the frame."""
+    """E (Eqs. 3-5): D > T1 and D above its neighbours, wherever the 15x15 support lies in the
+    frame.
+    """
     corners = np.zeros(responses.shape, dtype=bool)
     side = 2 * radius + 1
     samples = sliding_window_view(responses, (side, side))
@@ -119,8 +122,8 @@ def corner_map(responses: Map, t1: float, ties: Ties, radius: int = 1) -> NDArra
 def texturization(responses: Map, x: int, y: int, patches: Patches) -> float:
     """tau of the corner at (x, y) (Eqs. 6-8): what the three patches of Fig. 5 differ by.
 
-    Patch k is four regions, k pixels away along each diagonal; regions are compared pixel by pixel, and a
-    difference of regions is the mean over their pixels.
+    Patch k is four regions, k pixels away along each diagonal; regions are compared pixel by pixel,
+    and a difference of regions is the mean over their pixels.
     """
     reach = 1 if patches == "regions" else 0
 
@@ -157,8 +160,8 @@ def surface(samples: Map, fit: Fit) -> Map:
 def peak(coefficients: Map, printed: bool = False) -> tuple[float, float, Flag]:
     """(dx, dy) of Eq. 13 and what became of it; each axis is clamped to half a pixel.
 
-    (0, 0) where the surface has no maximum. ``printed`` keeps the misprint L2 for L3, and does not ask for a
-    maximum, as the paper does not.
+    (0, 0) where the surface has no maximum. ``printed`` keeps the misprint L2 for L3, and does not
+    ask for a maximum, as the paper does not.
     """
     l0, l1, l2, l3, l4, _ = coefficients
     denominator = l2**2 - 4 * l0 * l1
@@ -172,9 +175,11 @@ def peak(coefficients: Map, printed: bool = False) -> tuple[float, float, Flag]:
 
 
 def gradient_step(pixels: NDArray[Any]) -> tuple[float, float, Flag]:
-    """(dx, dy) of the point to which the gradients of a 9x9 window of pixels are at right angles, and its flags.
+    """(dx, dy) of the point to which the gradients of a 9x9 window of pixels are at right angles,
+    and its flags.
 
-    One equation g·(q - p) = 0 for each of the 49 pixels p, solved by least squares; clamped to 4 pixels.
+    One equation g·(q - p) = 0 for each of the 49 pixels p, solved by least squares; clamped to 4
+    pixels.
     """
     gx, gy = (g[1:-1, 1:-1].reshape(-1) for g in gradients(pixels))
     v, u = (axis.reshape(-1) - 3 for axis in np.mgrid[:7, :7])
@@ -194,8 +199,8 @@ def reference_detect(
 ) -> Corners:
     """Corners of one image by the unrounded algorithm; arguments as :func:`golden.detect`.
 
-    Positions are not quantised, and ``response`` is float64. A target is met exactly, where no sigma1 · floor and no
-    equal responses are in the way.
+    Positions are not quantised, and ``response`` is float64. A target is met exactly, where no
+    sigma1 · floor and no equal responses are in the way.
     """
     parameters = chosen_parameters(parameters)
     settings = chosen_settings(settings, parameters)

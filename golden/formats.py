@@ -1,11 +1,15 @@
-"""Geometry and number formats that every detector has, whatever is built: written here and nowhere else."""
+"""Geometry and number formats that every detector has, whatever is built: written here and nowhere
+else.
+"""
 
 from __future__ import annotations
 
 SUPPORT = 15
 """Side of the square of pixels that decides one corner: gradient 3, smoothing 5, response window 9."""
 MARGIN = SUPPORT // 2
-"""Pixels at each edge of a frame in which no peak is a corner; where it is refined to may be nearer to the edge."""
+"""Pixels at each edge of a frame in which no peak is a corner; where it is refined to may be nearer
+to the edge.
+"""
 SMOOTHING_SIZE = 5
 WINDOW_SIZE = 9
 """Side of the response window that the texture filter reads."""
@@ -17,7 +21,9 @@ COORDINATE_BITS = 20
 SIGMA_BITS = 16
 """Fractional bits of sigma1 and sigma2."""
 SIGMA2_INTEGER_BITS = 4
-"""sigma2 reaches 16: tau cannot exceed 8 times the frame's largest D, so with that as Dref 8 is plenty."""
+"""sigma2 reaches 16: tau cannot exceed 8 times the frame's largest D, so with that as Dref 8 is
+plenty.
+"""
 MEAN_WEIGHT_BITS, MEAN_WEIGHT_FRACTION_BITS = 4, 3
 """sigma2 where the texture filter is an adaptive threshold: eighths from 0 to 15."""
 MAX_SUPPRESSION = WINDOW_SIZE // 2
@@ -30,6 +36,8 @@ BUDGET_SETTINGS = {
     **dict.fromkeys(("max_corners", "target_corners", "reference_rank"), BUDGET_BITS),
     "smoothing": SMOOTHING_BITS,
 }
-"""Fields of ``Settings`` that only a detector built with ``budget`` has, and their widths; 0 switches each off."""
+"""Fields of ``Settings`` that only a detector built with ``budget`` has, and their widths; 0
+switches each off.
+"""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
 MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10

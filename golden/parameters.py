@@ -30,8 +30,8 @@ class Parameters:
     max_width, max_height
         Largest frame; the real size is set at run time, from 15x15 up to this.
     budget
-        Build the settings of :data:`BUDGET_SETTINGS`: ``max_corners``, ``target_corners``, ``reference_rank`` and
-        ``smoothing``.
+        Build the settings of :data:`BUDGET_SETTINGS`: ``max_corners``, ``target_corners``,
+        ``reference_rank`` and ``smoothing``.
 
     Raises
     ------
@@ -56,8 +56,8 @@ class Parameters:
     def profile(cls, name: str, **changes: Any) -> Self:
         """The named profile, with some fields of it or of its algorithm changed.
 
-        ``ValueError`` if there is no such profile, or field's value; ``TypeError`` if the name is no string, or there
-        is no such field.
+        ``ValueError`` if there is no such profile, or field's value; ``TypeError`` if the name is
+        no string, or there is no such field.
         """
         check_type("profile", name, str)
         if name not in PROFILES:
@@ -65,7 +65,9 @@ class Parameters:
         return cls(algorithm=PROFILES[name]).changed(**changes)
 
     def changed(self, **changes: Any) -> Self:
-        """The same with some fields changed, be they its own or its algorithm's; raises what making one raises."""
+        """The same with some fields changed, be they its own or its algorithm's; raises what making
+        one raises.
+        """
         algorithm = {name: value for name, value in changes.items() if name in _ALGORITHM}
         own = {name: value for name, value in changes.items() if name not in _ALGORITHM}
         return replace(self, **{"algorithm": replace(self.algorithm, **algorithm), **own})
@@ -110,10 +112,12 @@ class Parameters:
 
     @property
     def response_max(self) -> int:
-        """Full scale of D, twice the smaller eigenvalue of the tensor T: at most 2·uᵀTu for any unit vector u.
+        """Full scale of D, twice the smaller eigenvalue of the tensor T: at most 2·uᵀTu for any
+        unit vector u.
 
-        With u along an axis that is 2A or 2B. With u = (1, -1)/√2 it is A + B - 2C: where gradients are absolute
-        the mean of (|gx| - |gy|)², no more than one full product, and rounding A, B and C adds less than 2.
+        With u along an axis that is 2A or 2B. With u = (1, -1)/√2 it is A + B - 2C: where gradients
+        are absolute the mean of (|gx| - |gy|)², no more than one full product, and rounding A, B
+        and C adds less than 2.
         """
         return self.product_max + 1 if self.algorithm.gradient == "absolute" else 2 * self.product_max
 

@@ -9,7 +9,8 @@ from golden.square_root import floor_sqrt
 
 
 def response(a: IntArray, b: IntArray, c: IntArray) -> IntArray:
-    """D = (A + B) - isqrt((A - B)² + (2C)²), clamped at 0: twice the smaller eigenvalue of the tensor.
+    """D = (A + B) - isqrt((A - B)² + (2C)²), clamped at 0: twice the smaller eigenvalue of the
+    tensor.
 
     The clamp matters where rounding A, B, C makes the root one too large. The radicand fits in
     2·root_bits: C² <= AB holds before rounding, so the root stays below A + B + 2.

@@ -1,8 +1,9 @@
 """Response filter: D smoothed once more, so that its peaks stay where they are.
 
-Squares of differences have finer detail than the pixels can carry: which of two neighbouring responses is the larger
-is often a matter of noise, or of how the image lies in the grid of pixels. A small binomial kernel takes that away,
-and merges the peaks that D may have on either side of a saddle.
+Squares of differences have finer detail than the pixels can carry: which of two neighbouring
+responses is the larger is often a matter of noise, or of how the image lies in the grid of pixels.
+A small binomial kernel takes that away, and merges the peaks that D may have on either side of a
+saddle.
 """
 
 from __future__ import annotations

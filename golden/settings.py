@@ -28,15 +28,17 @@ class Settings:
     Parameters
     ----------
     sigma1
-        Corner threshold, 0 <= sigma1 < 1: a corner has D > T1 = sigma1 · Dref. Rounded to 1/65536, but not to 0.
+        Corner threshold, 0 <= sigma1 < 1: a corner has D > T1 = sigma1 · Dref. Rounded to 1/65536,
+        but not to 0.
     sigma2
-        Texture threshold, 0 <= sigma2 < 16: a corner has tau < T2 = sigma2 · Dref. Rounded to 1/65536, but not to 0.
-        With ``texture="mean"``: how much the local level of D counts, whatever Dref: 0, or 1/8 to 15/8, rounded
-        down to eighths.
+        Texture threshold, 0 <= sigma2 < 16: a corner has tau < T2 = sigma2 · Dref. Rounded to
+        1/65536, but not to 0. With ``texture="mean"``: how much the local level of D counts,
+        whatever Dref: 0, or 1/8 to 15/8, rounded down to eighths.
     reference
-        Dref: the largest D of the ``"previous"`` frame, or the ``"constant"``. The first frame after
-        reset has no previous one and uses the constant. Counted is D of the pixels at which a corner may be, smoothed
-        where the ``response_filter`` smooths it: a bright mark in the margin decides nothing.
+        Dref: the largest D of the ``"previous"`` frame, or the ``"constant"``. The first frame
+        after reset has no previous one and uses the constant. Counted is D of the pixels at which a
+        corner may be, smoothed where the ``response_filter`` smooths it: a bright mark in the
+        margin decides nothing.
     constant
         Dref where no previous frame counts, in units of D.
     floor
@@ -44,20 +46,21 @@ class Settings:
     report_rejected
         Also report corners that the texture filter rejects, flagged ``TEXTURED``.
     max_corners
-        Corners reported per frame, at most: the first ones in raster order, without those that the texture filter
-        rejects; of these, none after the last. 0: no limit. Only built with ``budget``.
+        Corners reported per frame, at most: the first ones in raster order, without those that the
+        texture filter rejects; of these, none after the last. 0: no limit. Only built with
+        ``budget``.
     target_corners
-        Corners per frame to aim at, without those that the texture filter rejects: T1 becomes what would have left
-        so many of the previous frame, but no less than sigma1 · floor; see ``golden.adaptation``. 0: T1 as above.
-        Only built with ``budget``.
+        Corners per frame to aim at, without those that the texture filter rejects: T1 becomes what
+        would have left so many of the previous frame, but no less than sigma1 · floor; see
+        ``golden.adaptation``. 0: T1 as above. Only built with ``budget``.
     reference_rank
-        Dref is the D that so many corners of the previous frame exceed, in place of its largest: a few
-        bright pixels then do not decide about all others. Where a frame has fewer corners Dref is the floor.
-        Counted are all peaks, with ``texture="mean"`` those with T > 0. 0: the largest. A target comes first. Only
-        built with ``budget``.
+        Dref is the D that so many corners of the previous frame exceed, in place of its largest: a
+        few bright pixels then do not decide about all others. Where a frame has fewer corners Dref
+        is the floor. Counted are all peaks, with ``texture="mean"`` those with T > 0. 0: the
+        largest. A target comes first. Only built with ``budget``.
     smoothing
-        What a target or a rank asks for moves by 1/2**smoothing of the way from frame to frame, 0 to 3: for lamps
-        that flicker. Only built with ``budget``.
+        What a target or a rank asks for moves by 1/2**smoothing of the way from frame to frame, 0
+        to 3: for lamps that flicker. Only built with ``budget``.
 
     Raises
     ------
@@ -90,7 +93,8 @@ class Settings:
 
     @classmethod
     def default(cls, parameters: Parameters, **changes: Any) -> Settings:
-        """Settings with ``constant`` and ``floor`` scaled to this detector's D, and ``changes`` applied.
+        """Settings with ``constant`` and ``floor`` scaled to this detector's D, and ``changes``
+        applied.
 
         1/16 and 1/128 of the range of A + B, which is what the class defaults are for 8-bit pixels.
         """
@@ -101,7 +105,8 @@ class Settings:
     def check(self, parameters: Parameters) -> None:
         """Raise ``ValueError`` if this detector cannot be set so.
 
-        Constant or floor exceed its D, sigma2 is none of its adaptive threshold's, or it lacks the budget asked for.
+        Constant or floor exceed its D, sigma2 is none of its adaptive threshold's, or it lacks the
+        budget asked for.
         """
         check_type("parameters", parameters, Parameters)
         for field in ("constant", "floor"):
@@ -157,7 +162,9 @@ class Settings:
 
     @property
     def mean_weight(self) -> int:
-        """sigma2 in eighths, as the adaptive threshold takes it; what is more than fits counts as the most."""
+        """sigma2 in eighths, as the adaptive threshold takes it; what is more than fits counts as
+        the most.
+        """
         return min(self.sigma2_fixed >> (SIGMA_BITS - MEAN_WEIGHT_FRACTION_BITS), (1 << MEAN_WEIGHT_BITS) - 1)
 
     @property

@@ -1,4 +1,6 @@
-"""Integer square root: Li and Chu's non-restoring algorithm, and a fast equal of it for whole images."""
+"""Integer square root: Li and Chu's non-restoring algorithm, and a fast equal of it for whole
+images.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,7 @@ def floor_sqrt(radicand: NDArray[np.float64]) -> NDArray[np.int32]:
     """Floor square root of whole numbers below 2**46, held exactly in float64.
 
     IEEE 754 rounds the root correctly. The closest it can come to an integer k from below is
-    sqrt(k² - 1) = k - 1/(2k), and 1/(2k) >= 2**-24 is far more than half a unit in the last place of
-    k <= 2**23, so truncation gives the floor.
+    sqrt(k² - 1) = k - 1/(2k), and 1/(2k) >= 2**-24 is far more than half a unit in the last place
+    of k <= 2**23, so truncation gives the floor.
     """
     return np.sqrt(radicand).astype(np.int32)

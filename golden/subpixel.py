@@ -1,4 +1,6 @@
-"""Subpixel refinement (Sec. 3.4): the peak of a quadratic surface fitted to the 3x3 responses, or a gradient step."""
+"""Subpixel refinement (Sec. 3.4): the peak of a quadratic surface fitted to the 3x3 responses, or a
+gradient step.
+"""
 
 from __future__ import annotations
 
@@ -34,17 +36,22 @@ class Surface(NamedTuple):
 
 
 MANTISSA_BITS = 10
-"""Bits of a surface's curvatures and slopes, beside their sign, that go into the products of Eq. 13."""
+"""Bits of a surface's curvatures and slopes, beside their sign, that go into the products of Eq.
+13.
+"""
 STEP_MANTISSA_BITS = 12
-"""Those of the gradient step, whose two equations are closer to each other where an edge is much the stronger."""
+"""Those of the gradient step, whose two equations are closer to each other where an edge is much
+the stronger.
+"""
 
 
 @dataclass(frozen=True)
 class Offset:
-    """Corner relative to the centre pixel: dx, dy in 1/128 pixel within ±:func:`offset_limit`, and what became of it.
+    """Corner relative to the centre pixel: dx, dy in 1/128 pixel within ±:func:`offset_limit`, and
+    what became of it.
 
-    clamped: it lies the limit away or more, along x or y. not_maximum: the surface has no peak, or all gradients
-    are parallel.
+    clamped: it lies the limit away or more, along x or y. not_maximum: the surface has no peak, or
+    all gradients are parallel.
     """
 
     dx: Int64
@@ -54,7 +61,9 @@ class Offset:
 
 
 def fit_nine(s: IntArray) -> Surface:
-    """Least squares over the nine samples (..., 3, 3), times 12. Sums only: x, y are -1, 0, 1 on the grid."""
+    """Least squares over the nine samples (..., 3, 3), times 12. Sums only: x, y are -1, 0, 1 on
+    the grid.
+    """
     s = s.astype(np.int64)
     left, middle, right = s[..., 0].sum(-1), s[..., 1].sum(-1), s[..., 2].sum(-1)
     top, centre, bottom = s[..., 0, :].sum(-1), s[..., 1, :].sum(-1), s[..., 2, :].sum(-1)
@@ -74,7 +83,9 @@ def _six_samples(s: IntArray) -> tuple[Int64, ...]:
 
 
 def fit_six(s: IntArray) -> Surface:
-    """The one surface through the paper's six samples, times 2: the inverse of the true design matrix."""
+    """The one surface through the paper's six samples, times 2: the inverse of the true design
+    matrix.
+    """
     s0, s3, s5, s7, s2, s6 = _six_samples(s)
     return Surface(
         l0=s0 - s2 - 2 * s3 + 2 * s5 + 2 * s6 - 2 * s7,
@@ -86,7 +97,9 @@ def fit_six(s: IntArray) -> Surface:
 
 
 def fit_printed(s: IntArray) -> Surface:
-    """L = (Vx · Vy) S with the two ``vander`` matrices of Eqs. 11 and 12, times 6: rank 3, no fit at all."""
+    """L = (Vx · Vy) S with the two ``vander`` matrices of Eqs. 11 and 12, times 6: rank 3, no fit
+    at all.
+    """
     x, y = np.array([-1, -1, 1, 0, 1, -1]), np.array([-1, 0, 0, 1, -1, 1])
     weights = np.vander(x) @ np.vander(y)
     samples = np.stack(_six_samples(s), axis=-1)
@@ -103,8 +116,8 @@ FITS: dict[Fit, Callable[[IntArray], Surface]] = {
 def offset_limit(fit: Fit) -> int:
     """Largest offset along an axis, in 1/128 pixel.
 
-    A surface through 3x3 responses means nothing beyond half a pixel. A corner of the gradient step may lie
-    anywhere in its window and, where it is at its edge, a little outside.
+    A surface through 3x3 responses means nothing beyond half a pixel. A corner of the gradient step
+    may lie anywhere in its window and, where it is at its edge, a little outside.
     """
     return 4 << OFFSET_BITS if fit == "gradient" else HALF
 
@@ -118,7 +131,8 @@ def derivative_bits(parameters: Parameters) -> int:
     """Width of the largest derivative that the fit can give, without its sign."""
     if parameters.algorithm.fit == "gradient":
         return normal_equations.largest(parameters).bit_length()
-    # each is a weighted sum of the samples: it is largest where only those with weights of one sign are not zero
+    # each is a weighted sum of the samples: it is largest where only those with weights of one sign
+    # are not zero
     units = np.eye(9, dtype=np.int64).reshape(9, 3, 3)
     weights = np.stack(derivatives(FITS[parameters.algorithm.fit](units)))
     largest = np.maximum(np.maximum(weights, 0).sum(-1), np.maximum(-weights, 0).sum(-1)).max()
@@ -131,10 +145,11 @@ def derivatives(surface: Surface) -> Derivatives[Int64]:
 
 
 def mantissas(values: Derivatives[Int64], bits: int, kept: int = MANTISSA_BITS) -> Derivatives[Int64]:
-    """The five values as block floating point: ``kept`` bits and a sign each, all with one exponent.
+    """The five values as block floating point: ``kept`` bits and a sign each, all with one
+    exponent.
 
-    The peak depends on ratios only. So all are shifted up until the largest, of ``bits`` bits at most, is at the
-    top, or until nothing would be lost, and cut (rounded down).
+    The peak depends on ratios only. So all are shifted up until the largest, of ``bits`` bits at
+    most, is at the top, or until nothing would be lost, and cut (rounded down).
     """
     low = max(bits - kept, 0)
     largest = np.maximum.reduce([np.where(value < 0, ~value, value) for value in values])
@@ -155,17 +170,19 @@ def peak(
     limit: int = HALF,
     kept: int = MANTISSA_BITS,
 ) -> Offset:
-    """Stationary point of the surface (Eq. 13), kept only where it is a maximum, and within ``limit``.
+    """Stationary point of the surface (Eq. 13), kept only where it is a maximum, and within
+    ``limit``.
 
         dx = (2 L1 L3 - L2 L4) / (L2² - 4 L0 L1) = (yy·x + xy·y) / (xx·yy - xy²)
         dy = (2 L0 L4 - L2 L3) / (L2² - 4 L0 L1) = (xx·y + xy·x) / (xx·yy - xy²)
 
-    Where a curvature or the denominator has the wrong sign the offset is (0, 0); beyond the limit, in 1/128 pixel,
-    it is clamped, each axis for itself. ``bits`` is the width of the largest value (:func:`derivative_bits`),
-    ``kept`` that of the factors (:func:`mantissa_bits`).
+    Where a curvature or the denominator has the wrong sign the offset is (0, 0); beyond the limit,
+    in 1/128 pixel, it is clamped, each axis for itself. ``bits`` is the width of the largest value
+    (:func:`derivative_bits`), ``kept`` that of the factors (:func:`mantissa_bits`).
 
-    ``printed`` keeps the misprint 2 L1 L2 in the first numerator, and, as the paper, does not ask for a
-    maximum: Eqs. 11 and 12 turn nearly every corner into a surface without one. It is clamped all the same.
+    ``printed`` keeps the misprint 2 L1 L2 in the first numerator, and, as the paper, does not ask
+    for a maximum: Eqs. 11 and 12 turn nearly every corner into a surface without one. It is clamped
+    all the same.
     """
     xx, yy, xy, x, y = mantissas(values, bits, kept)
     denominator = xx * yy - xy * xy
@@ -182,9 +199,11 @@ def peak(
 
 
 def subpixel(patches: IntArray, parameters: Parameters, pixels: Image | None = None) -> Offset:
-    """Offset of the corners around which (..., 3, 3) responses are given, by the fit of ``parameters``.
+    """Offset of the corners around which (..., 3, 3) responses are given, by the fit of
+    ``parameters``.
 
-    ``pixels``, (..., 9, 9) around the same places, are what ``fit="gradient"`` goes by, and only that.
+    ``pixels``, (..., 9, 9) around the same places, are what ``fit="gradient"`` goes by, and only
+    that.
     """
     if parameters.algorithm.fit == "gradient":
         if pixels is None:

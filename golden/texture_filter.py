@@ -17,8 +17,9 @@ _CENTRE = WINDOW_SIZE // 2
 def patch(windows: IntArray, k: int, patches: Patches) -> IntArray:
     """Patch k = 1, 2, 3 of Fig. 5: its four regions, as (..., 4, side, side).
 
-    ``"regions"``: the 3x3 regions at the corners of the (2k+3)x(2k+3) square, that is centred k pixels away
-    along each diagonal; ``"pixels"``: just those centres. The figure itself is not public: an assumption.
+    ``"regions"``: the 3x3 regions at the corners of the (2k+3)x(2k+3) square, that is centred k
+    pixels away along each diagonal; ``"pixels"``: just those centres. The figure itself is not
+    public: an assumption.
     """
     reach = 1 if patches == "regions" else 0
     regions = []
@@ -31,8 +32,9 @@ def patch(windows: IntArray, k: int, patches: Patches) -> IntArray:
 def texturization(windows: IntArray, patches: Patches) -> IntArray:
     """tau = tau12 + tau23 of (..., 9, 9) response windows; returns (...).
 
-    tau_ab = sum of |patch a - patch b| over the four regions, pixel by pixel. The mean over a region's pixels
-    would divide by 9; instead tau stays scaled by ``Parameters.pixels_per_region`` and so does T2.
+    tau_ab = sum of |patch a - patch b| over the four regions, pixel by pixel. The mean over a
+    region's pixels would divide by 9; instead tau stays scaled by ``Parameters.pixels_per_region``
+    and so does T2.
     """
     first, second, third = (patch(windows, k, patches) for k in (1, 2, 3))
     tau12 = np.abs(first - second).sum(axis=(-3, -2, -1))

@@ -1,4 +1,6 @@
-"""Thresholds of one frame: sigma1 and sigma2 times the reference response, or what a target asks for."""
+"""Thresholds of one frame: sigma1 and sigma2 times the reference response, or what a target asks
+for.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ class Thresholds(NamedTuple):
 
 
 def choose_reference(settings: Settings, previous_maximum: int | None, adapted: int | None = None) -> int:
-    """Dref: the previous frame's largest D, or the constant (also after reset); never below the floor.
+    """Dref: the previous frame's largest D, or the constant (also after reset); never below the
+    floor.
 
     With a rank and without a target it is ``adapted``; None: no frame before has been counted.
     """
@@ -36,7 +39,8 @@ def thresholds(
 ) -> Thresholds:
     """T1 = sigma1 · Dref and T2 = sigma2 · Dref, rounded down.
 
-    With a target T1 is ``adapted`` instead, but no less than sigma1 · floor; None: no frame before has been counted.
+    With a target T1 is ``adapted`` instead, but no less than sigma1 · floor; None: no frame before
+    has been counted.
     """
     t1 = (settings.sigma1_fixed * reference) >> SIGMA_BITS
     t2 = (settings.sigma2_fixed * reference * parameters.pixels_per_region) >> SIGMA_BITS

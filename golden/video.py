@@ -1,22 +1,25 @@
 """Video as it arrives in the field: what becomes of it at the edge of the core, well-formed or not.
 
-A pixel travels with two marks, start of frame and end of line (AMD UG934). The detector behind the edge only ever
-sees whole frames of the size that was set, from the first pixel to the last; this is the specification of how any
-stream of marked pixels becomes such frames, of what is reported about the rest, and of the packets that come out.
+A pixel travels with two marks, start of frame and end of line (AMD UG934). The detector behind the
+edge only ever sees whole frames of the size that was set, from the first pixel to the last; this is
+the specification of how any stream of marked pixels becomes such frames, of what is reported about
+the rest, and of the packets that come out.
 
-================================  =========================================================================
-what comes in                     what becomes of it
-================================  =========================================================================
-start of frame before the end     the frame is cut: closed without its remaining corners, and marked so. The
+================================
+========================================================================= what comes in
+what becomes of it ================================
+========================================================================= start of frame before the
+end     the frame is cut: closed without its remaining corners, and marked so. The
                                   new one begins at once
-pixels after a frame's last       dropped, up to the next start of frame
-end of line too early             the frame is cut, and what follows dropped up to the next start of frame: no
+pixels after a frame's last       dropped, up to the next start of frame end of line too early
+the frame is cut, and what follows dropped up to the next start of frame: no
                                   corner could have fifteen whole rows for the next fifteen rows
-end of line too late              what is too much is dropped, up to the end of line; the frame goes on
-================================  =========================================================================
+end of line too late              what is too much is dropped, up to the end of line; the frame goes
+on ================================
+=========================================================================
 
-A cut frame leaves nothing behind: the next frame's reference is the largest response of the last *complete* frame,
-and it is that one's corners that its T1 is adapted to.
+A cut frame leaves nothing behind: the next frame's reference is the largest response of the last
+*complete* frame, and it is that one's corners that its T1 is adapted to.
 """
 
 from __future__ import annotations
@@ -68,7 +71,9 @@ class Event(IntFlag):
     EOL_MISSING = 1 << 7
     """A whole further line's pixels came without an end of line; they were dropped."""
     RECORDS_DROPPED = 1 << 8
-    """A frame had more corners than may be reported, be it by ``max_records`` or by ``Settings.max_corners``."""
+    """A frame had more corners than may be reported, be it by ``max_records`` or by
+    ``Settings.max_corners``.
+    """
     SIZE_CHANGED = 1 << 9
     """The frame size was set while a frame was under way, for which the old one holds."""
     SIZE_REFUSED = 1 << 10
@@ -81,7 +86,8 @@ class Event(IntFlag):
 
 @dataclass(frozen=True)
 class VideoSettings:
-    """What can be set at run time, at the edge of the core; each frame keeps what holds at its start.
+    """What can be set at run time, at the edge of the core; each frame keeps what holds at its
+    start.
 
     Parameters
     ----------
@@ -123,8 +129,9 @@ class Packet(ByValue):
     Parameters
     ----------
     records
-        Of a complete frame: all of them, the end-of-frame record included. Of a cut one: those of the corners whose
-        support had come when it was cut; some number of the first of them come out, then its end-of-frame record.
+        Of a complete frame: all of them, the end-of-frame record included. Of a cut one: those of
+        the corners whose support had come when it was cut; some number of the first of them come
+        out, then its end-of-frame record.
     frame, cut
         As in the end-of-frame record.
     found
@@ -155,8 +162,8 @@ class Packet(ByValue):
 class VideoModel:
     """The detector with its edges, fed pixel by pixel.
 
-    ``events`` collects what has happened, but for what depends on time or on registers being written
-    (``SIZE_CHANGED`` and all after it).
+    ``events`` collects what has happened, but for what depends on time or on registers being
+    written (``SIZE_CHANGED`` and all after it).
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -185,14 +192,17 @@ class VideoModel:
 
     @property
     def adapted(self) -> int | None:
-        """T1 or Dref for the next frame, if it has a target or a rank; None if the last complete one had neither."""
+        """T1 or Dref for the next frame, if it has a target or a rank; None if the last complete
+        one had neither.
+        """
         return self._adapted
 
     def feed(self, beats: Iterable[tuple[int, bool, bool]], video: VideoSettings) -> list[Packet]:
-        """Packets of the frames that end with these beats: ``(pixel, start of frame, end of line)``.
+        """Packets of the frames that end with these beats: ``(pixel, start of frame, end of
+        line)``.
 
-        ``TypeError`` or ``ValueError``, and nothing has happened, if a detector built so cannot be set so, or cannot
-        take one of the pixels.
+        ``TypeError`` or ``ValueError``, and nothing has happened, if a detector built so cannot be
+        set so, or cannot take one of the pixels.
         """
         check_type("video", video, VideoSettings)
         video.check(self.parameters)
@@ -319,7 +329,9 @@ class VideoModel:
 
 
 def marked(image: Image, *, sof: bool = True, eol: bool = True) -> list[tuple[int, bool, bool]]:
-    """A well-formed frame as beats ``(pixel, start of frame, end of line)``; or one that lacks its marks."""
+    """A well-formed frame as beats ``(pixel, start of frame, end of line)``; or one that lacks its
+    marks.
+    """
     width = image.shape[1]
     return [
         (int(pixel), sof and k == 0, eol and k % width == width - 1) for k, pixel in enumerate(image.ravel())

@@ -1,1 +1,3 @@
-"""The hardware: every block of the paper's Fig. 9 in Amaranth, one file each, and the top level that wires them."""
+"""The hardware: every block of the paper's Fig. 9 in Amaranth, one file each, and the top level
+that wires them.
+"""

@@ -1,4 +1,6 @@
-"""Adaptation to the frame before (``golden.adaptation``): a histogram of all corners, read after each frame."""
+"""Adaptation to the frame before (``golden.adaptation``): a histogram of all corners, read after
+each frame.
+"""
 
 from __future__ import annotations
 
@@ -15,27 +17,33 @@ from golden.parameters import Parameters
 
 SMOOTHING_CLOCKS = 2
 EVENT_CLOCKS = 5
-"""A corner's way: 1 its D, 2 its bin, 3 its count out of the memory, 4 and 5 behind a register, and back."""
+"""A corner's way: 1 its D, 2 its bin, 3 its count out of the memory, 4 and 5 behind a register, and
+back.
+"""
 
 
 def adapted_layout(parameters: Parameters) -> data.StructLayout:
-    """T1 or Dref for the next frame, and whether there is one: only behind a complete frame that was aimed at."""
+    """T1 or Dref for the next frame, and whether there is one: only behind a complete frame that
+    was aimed at.
+    """
     return data.StructLayout({"t1": parameters.response_bits, "known": 1})
 
 
 def aim_layout() -> data.StructLayout:
-    """What a frame is counted for: ``Settings.wanted_corners``, with a rank all its peaks, and ``smoothing``."""
+    """What a frame is counted for: ``Settings.wanted_corners``, with a rank all its peaks, and
+    ``smoothing``.
+    """
     return data.StructLayout({"corners": BUDGET_BITS, "rank": 1, "smoothing": SMOOTHING_BITS})
 
 
 class Adaptation(wiring.Component):
     """Counts a frame's corners by their D, and works out which D the number aimed at exceed.
 
-    One block RAM holds the histogram. The corners of a row are two clocks apart at least; where the second falls
-    into the bin of the first, it takes the sum that is on its way back. After a frame's last corner the bins are read
-    from the largest D downwards, one per clock, and cleared on the same way: both are done before the next frame has
-    responses. The bin that reaches the target stays where it was compared, and three more comparisons make the place
-    in it.
+    One block RAM holds the histogram. The corners of a row are two clocks apart at least; where the
+    second falls into the bin of the first, it takes the sum that is on its way back. After a
+    frame's last corner the bins are read from the largest D downwards, one per clock, and cleared
+    on the same way: both are done before the next frame has responses. The bin that reaches the
+    target stays where it was compared, and three more comparisons make the place in it.
 
     Reading begins by itself after reset, which clears the histogram; T1 then is what ``kept`` says.
 
@@ -47,10 +55,12 @@ class Adaptation(wiring.Component):
     Members
     -------
     corner, strength
-        In this clock there is a corner to count, and its D. Not in two clocks in a row, and not while busy.
+        In this clock there is a corner to count, and its D. Not in two clocks in a row, and not
+        while busy.
     last, aim
-        In this clock the frame ends; it is to be read for what is aimed at in the next clock, ``aim_layout()``, whose
-        smoothing stays until the frame after has begun. A corner may come along.
+        In this clock the frame ends; it is to be read for what is aimed at in the next clock,
+        ``aim_layout()``, whose smoothing stays until the frame after has begun. A corner may come
+        along.
     kept
         ``adapted_layout(parameters)``: what is known of frames before the last reset.
     busy
@@ -136,7 +146,9 @@ class Adaptation(wiring.Component):
         return number
 
     def _histogram(self, m: Module, scanning: Signal, place: Signal) -> tuple[Signal, Signal]:
-        """Counts corners, and reads and clears; returns a count that has been read, and whether there is one."""
+        """Counts corners, and reads and clears; returns a count that has been read, and whether
+        there is one.
+        """
         number = Signal.like(place)
         memory = Memory(
             shape=BUDGET_BITS, depth=bins(self._parameters), init=[], attrs={"ram_style": "block"}
@@ -151,7 +163,8 @@ class Adaptation(wiring.Component):
         number_5 = _later(m, number_4, 1, "last_bin")
         counted_4, scanned_4 = _later(m, self.corner, 4, "counted"), _later(m, scanning, 3, "scanned")
         counted_5, scanned_5 = _later(m, counted_4, 1, "counts"), _later(m, scanned_4, 1, "clears")
-        # as the corner two clocks ahead, or three, whose sum is not in the memory yet when this one's count is read
+        # as the corner two clocks ahead, or three, whose sum is not in the memory yet when this
+        # one's count is read
         ahead = (number == number_4) & counted_4 | (number == number_5) & counted_5
         same_4 = _later(m, ahead, 2, "same")
         # without reset it can be the memory's own output register
@@ -172,7 +185,9 @@ class Adaptation(wiring.Component):
     def _descend(
         self, m: Module, ended: Signal, count: Signal, read: Signal, found: Signal, below: Signal
     ) -> None:
-        """Adds the bins up to the target. ``below`` is one less than the smallest D that is wanted so far."""
+        """Adds the bins up to the target. ``below`` is one less than the smallest D that is wanted
+        so far.
+        """
         p = self._parameters
         need, width = Signal(BUDGET_BITS + 1), Signal(p.response_bits)
         operand, place = Signal(BUDGET_BITS), Signal(range(bins(p)))
@@ -194,7 +209,8 @@ class Adaptation(wiring.Component):
                 m.d.comb += shrink.eq(1)
             with m.Else():
                 m.d.sync += need.eq(rest)
-                # an octave's bins are all of one width, and the smallest octave's are as wide as those below
+                # an octave's bins are all of one width, and the smallest octave's are as wide as
+                # those below
                 octave, mantissa = place[2:], place[:2]
                 m.d.comb += [lower.eq(1), shrink.eq((mantissa == 0) & (octave > 1))]
         with m.If(lower):

@@ -19,11 +19,13 @@ from hdl.thresholds import thresholds_layout
 
 
 class AdaptiveThreshold(wiring.Component):
-    """F: is T = S - sigma2 · L of a 9x9 window above T1? In place of :class:`hdl.texture_filter.TextureFilter`.
+    """F: is T = S - sigma2 · L of a 9x9 window above T1? In place of
+    :class:`hdl.texture_filter.TextureFilter`.
 
-    The sum over the window is kept up to date: a new column's sum comes in, that of nine columns before leaves. That
-    holds across ends of rows too, where windows are not complete and nothing is delivered; so it starts from 0 at
-    reset and never again. Columns before the first after reset count as 0.
+    The sum over the window is kept up to date: a new column's sum comes in, that of nine columns
+    before leaves. That holds across ends of rows too, where windows are not complete and nothing is
+    delivered; so it starts from 0 at reset and never again. Columns before the first after reset
+    count as 0.
 
         clocks 1, 2   sum down the column: of three and three rows, of these
         clock 3       sum over the window; S of its centre
@@ -35,10 +37,12 @@ class AdaptiveThreshold(wiring.Component):
     i
         Stream of ``Columns(unsigned(response_bits), 9)`` of D.
     centres
-        Stream of ``Columns(unsigned(response_bits), 3)`` of S, as :class:`hdl.centre_rows.CentreRows` makes it of
-        ``i`` at the same time, or of ``filtered_rows`` as :class:`hdl.response_filter.ResponseFilter` does.
+        Stream of ``Columns(unsigned(response_bits), 3)`` of S, as
+        :class:`hdl.centre_rows.CentreRows` makes it of ``i`` at the same time, or of
+        ``filtered_rows`` as :class:`hdl.response_filter.ResponseFilter` does.
     thresholds
-        Stream of ``thresholds_layout(parameters)``, one per frame, taken with the frame's last result.
+        Stream of ``thresholds_layout(parameters)``, one per frame, taken with the frame's last
+        result.
     o
         Stream of ``Beat(texture_layout(parameters))``.
     """
@@ -108,7 +112,9 @@ class AdaptiveThreshold(wiring.Component):
         return total
 
     def _centre(self, pipe: Pipeline) -> Signal:
-        """S of the window's centre, at clock 3. At clock 2 it is as many columns behind the newest as rows above."""
+        """S of the window's centre, at clock 3. At clock 2 it is as many columns behind the newest
+        as rows above.
+        """
         value, reach = self.centres.payload.data[self._rows // 2], self._rows // 2
         for k in range(reach):
             value = pipe.register(

@@ -1,4 +1,6 @@
-"""How a detector is built: what hardware has beside the parameters that it shares with the golden model."""
+"""How a detector is built: what hardware has beside the parameters that it shares with the golden
+model.
+"""
 
 from __future__ import annotations
 
@@ -16,23 +18,25 @@ BUILDS: dict[str, dict[str, Any]] = {"paper": {"buffering": "banked"}, "robust":
 
 @dataclass(frozen=True, kw_only=True)
 class Build(Parameters):
-    """A detector as hardware: its parameters, and what changes memory, delay or edges, but never a record.
+    """A detector as hardware: its parameters, and what changes memory, delay or edges, but never a
+    record.
 
     Parameters
     ----------
     buffering
-        ``"banked"``: N+1 block RAMs per N×N window (Sec. 4.1); ``"lean"``: N-1 rows, one row sooner.
-        Changes memory and delay, never a record.
+        ``"banked"``: N+1 block RAMs per N×N window (Sec. 4.1); ``"lean"``: N-1 rows, one row
+        sooner. Changes memory and delay, never a record.
     sqrt_bits_per_stage
         Result bits per pipeline stage of the square root, 1 to 17. Hardware only.
     queue_depth
-        Corners that can wait for the subpixel refinement, 8 to 1024, before the input has to. Hardware only:
-        changes delays, never a record.
+        Corners that can wait for the subpixel refinement, 8 to 1024, before the input has to.
+        Hardware only: changes delays, never a record.
     video_out
-        Pass the pixels on, with a mark where a corner is. Hardware only; takes 7 rows of block RAM (``"lean"``) or 9.
+        Pass the pixels on, with a mark where a corner is. Hardware only; takes 7 rows of block RAM
+        (``"lean"``) or 9.
     autostart
-        Start enabled, with the settings of ``Settings.default`` and the largest frame, where nobody writes the
-        registers. Hardware only.
+        Start enabled, with the settings of ``Settings.default`` and the largest frame, where nobody
+        writes the registers. Hardware only.
 
 
     Raises
@@ -57,5 +61,7 @@ class Build(Parameters):
 
     @classmethod
     def profile(cls, name: str, **changes: Any) -> Self:
-        """The named profile as it is built by default, with some fields changed: see ``Parameters.profile``."""
+        """The named profile as it is built by default, with some fields changed: see
+        ``Parameters.profile``.
+        """
         return super().profile(name, **{**BUILDS.get(name, {}), **changes})

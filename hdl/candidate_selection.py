@@ -1,4 +1,6 @@
-"""Where corner detection, texture filter and surface fit meet: picks the candidates and says where they lie."""
+"""Where corner detection, texture filter and surface fit meet: picks the candidates and says where
+they lie.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +26,8 @@ PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
 def note_layout(parameters: Parameters) -> data.StructLayout:
     """What a record needs besides the offset; ``end`` marks the end of a frame instead of a corner.
 
-    The response of an end is the frame's largest. With ``budget`` its x and y are, side by side, the number of
-    corners that the frame had.
+    The response of an end is the frame's largest. With ``budget`` its x and y are, side by side,
+    the number of corners that the frame had.
     """
     return data.StructLayout(
         {
@@ -52,24 +54,24 @@ INSIDE = 4
 class CandidateSelection(wiring.Component):
     """Lets pass the window centres that are reported: corners that the texture filter keeps.
 
-    Every candidate goes out twice, its surface to the subpixel refinement and a note of the rest to the output
-    constructor. Each frame is closed by one more note, marked ``end``, one clock after its last window. Both wait
-    in queues, whose filling alone decides, in a register, whether the blocks before may move: these are always in
-    step with each other.
+    Every candidate goes out twice, its surface to the subpixel refinement and a note of the rest to
+    the output constructor. Each frame is closed by one more note, marked ``end``, one clock after
+    its last window. Both wait in queues, whose filling alone decides, in a register, whether the
+    blocks before may move: these are always in step with each other.
 
-    A frame's largest response is that of the window centres, so that no pixel decides about thresholds at which
-    there can be no corner.
+    A frame's largest response is that of the window centres, so that no pixel decides about
+    thresholds at which there can be no corner.
 
-    With ``budget`` none is picked of a frame after ``max_corners`` that the texture filter keeps, unless that is 0;
-    all are counted.
+    With ``budget`` none is picked of a frame after ``max_corners`` that the texture filter keeps,
+    unless that is 0; all are counted.
 
     Members
     -------
     corners
         Stream of ``Beat(corner_layout(parameters))`` from corner detection.
     textures
-        Stream of ``Beat(texture_layout(parameters))`` from the texture filter, for the same centres in the same
-        clocks.
+        Stream of ``Beat(texture_layout(parameters))`` from the texture filter, for the same centres
+        in the same clocks.
     surfaces
         Stream of ``derivatives_layout(parameters)`` from the surface fit, likewise.
     candidate
@@ -79,7 +81,8 @@ class CandidateSelection(wiring.Component):
     last
         In this clock the frame's last window leaves.
     largest
-        Largest response so far: of the frame before, from the clock after its last window until the next one's first.
+        Largest response so far: of the frame before, from the clock after its last window until the
+        next one's first.
     mark
         With ``video_out`` only: stream of ``mark_layout()``, one for every window.
     max_corners
@@ -132,7 +135,8 @@ class CandidateSelection(wiring.Component):
                 m.d.sync += [x.eq(MARGIN), y.eq(y + 1)]
             with m.If(self.corners.payload.eof):
                 m.d.sync += y.eq(MARGIN)
-        # the next window is at least a row's first eight columns away: the end never meets a candidate
+        # the next window is at least a row's first eight columns away: the end never meets a
+        # candidate
         m.d.sync += ending.eq(self.last)
 
         picked, wanted, place = Signal(), step & corner.corner & texture.keep, (x, y)
@@ -161,7 +165,8 @@ class CandidateSelection(wiring.Component):
                 m.d.sync += self.largest.eq(response)
 
     def _budget(self, m: Module, step: Signal, ending: Signal) -> tuple[Signal, tuple[Value, Value]]:
-        """Whether more may be picked of the frame, and how many could have been so far, as x and y of its end.
+        """Whether more may be picked of the frame, and how many could have been so far, as x and y
+        of its end.
 
         Two clocks late, as no two corners come in two clocks in a row.
         """

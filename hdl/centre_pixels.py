@@ -1,4 +1,6 @@
-"""The pixel at the centre of each response, which goes along with it to where the gradient step needs it."""
+"""The pixel at the centre of each response, which goes along with it to where the gradient step
+needs it.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,8 @@ COLUMNS_BACK = 3
 
 
 class CentrePixels(wiring.Component):
-    """Holds pixels back as long as the blocks beside it take to make responses, which move in step with it.
+    """Holds pixels back as long as the blocks beside it take to make responses, which move in step
+    with it.
 
     Parameters
     ----------
@@ -32,8 +35,8 @@ class CentrePixels(wiring.Component):
     i
         The pixel of that column's middle row.
     o
-        The pixel COLUMNS_BACK columns before, so many enabled clocks later: at the centre of the response that
-        then leaves the last block.
+        The pixel COLUMNS_BACK columns before, so many enabled clocks later: at the centre of the
+        response that then leaves the last block.
     """
 
     def __init__(self, parameters: Parameters, clocks: int) -> None:

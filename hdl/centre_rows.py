@@ -17,10 +17,11 @@ _LATE = WINDOW_SIZE // 2 - 1
 
 
 class CentreRows(wiring.Component):
-    """Columns of three rows out of columns of nine, so late that windows of both widths are complete together.
+    """Columns of three rows out of columns of nine, so late that windows of both widths are
+    complete together.
 
-    Of every row the first three columns and the last three are left out: they are never next to the centre of
-    a complete 9x9 window.
+    Of every row the first three columns and the last three are left out: they are never next to the
+    centre of a complete 9x9 window.
 
     Members
     -------

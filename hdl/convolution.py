@@ -18,7 +18,9 @@ from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.preprocessing import sizes_layout
 
 LATE_ROWS = (1, 2, 3)
-"""Rows looked up a clock after the outer two: their sums meet in one adder each, not all in one clock."""
+"""Rows looked up a clock after the outer two: their sums meet in one adder each, not all in one
+clock.
+"""
 
 
 def products_layout(parameters: Parameters) -> data.StructLayout:
@@ -29,10 +31,12 @@ def products_layout(parameters: Parameters) -> data.StructLayout:
 
 
 class ConvolutionUnit:
-    """Sum of one channel under the kernel [1 2 2 2 1]ᵀ[1 2 2 2 1], not yet divided by 64. Latency 3.
+    """Sum of one channel under the kernel [1 2 2 2 1]ᵀ[1 2 2 2 1], not yet divided by 64. Latency
+    3.
 
-    First down the column; its sum then meets four columns before it in a chain of adders, in which each register
-    holds the part of one window that has been seen. Those move from beat to beat, not from clock to clock.
+    First down the column; its sum then meets four columns before it in a chain of adders, in which
+    each register holds the part of one window that has been seen. Those move from beat to beat, not
+    from clock to clock.
 
     Parameters
     ----------
@@ -63,7 +67,8 @@ class ConvolutionUnit:
 
         second = rows[1]
         if half:
-            # bit 1 of a square is always 0: a 2 there, in a row of weight 2, in columns of weight 8, is 32
+            # bit 1 of a square is always 0: a 2 there, in a row of weight 2, in columns of weight
+            # 8, is 32
             second = Cat(second[0], C(1, 1), second[2:])
         # r0 + r4, then + 2·r1, and r2 + r3; what is doubled leaves bit 0 alone
         outer = pipe.register(rows[0] + rows[4], f"{name}_outer")
@@ -82,12 +87,13 @@ class ConvolutionUnit:
 class Convolution(wiring.Component):
     """Smooths A, B and C: kernel [1 2 2 2 1]ᵀ[1 2 2 2 1] / 64, rounded once, half away from zero.
 
-    Takes columns of five rows of numbers, delivers rows four positions shorter. With a, b and d the squares of gx,
-    gy and their difference, gx·gy = (a + b - d) / 2: so A and B are sums of a and b, and C = (A + B - D) / 2 with D
-    that of d, made of the full sums before any of them is rounded. The half of rounding is already in the sums of
-    a and b, so in C too.
+    Takes columns of five rows of numbers, delivers rows four positions shorter. With a, b and d the
+    squares of gx, gy and their difference, gx·gy = (a + b - d) / 2: so A and B are sums of a and b,
+    and C = (A + B - D) / 2 with D that of d, made of the full sums before any of them is rounded.
+    The half of rounding is already in the sums of a and b, so in C too.
 
-    c comes from an adder, not from a register: the next block should register it before it computes.
+    c comes from an adder, not from a register: the next block should register it before it
+    computes.
 
     Members
     -------
@@ -151,7 +157,9 @@ class Convolution(wiring.Component):
         return m
 
     def _look_up(self, m: Module, pipe: Pipeline) -> dict[str, list[Value]]:
-        """Squares by channel and row. A row's gradients share a table, and so do the differences of two rows."""
+        """Squares by channel and row. A row's gradients share a table, and so do the differences of
+        two rows.
+        """
         for k, table in enumerate(self._tables):
             m.submodules[f"table_{k}"] = table
             m.d.comb += table.enable.eq(pipe.advance)

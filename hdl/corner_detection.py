@@ -13,7 +13,9 @@ from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 
 
 def corner_layout(parameters: Parameters) -> data.StructLayout:
-    """Is the pixel a corner, and its response; with ``budget`` also whether it would be one but for T1."""
+    """Is the pixel a corner, and its response; with ``budget`` also whether it would be one but for
+    T1.
+    """
     counted = {"peak": 1} if parameters.budget else {}
     return data.StructLayout({"corner": 1, "response": parameters.response_bits, **counted})
 
@@ -49,8 +51,9 @@ class Maxima(wiring.Component):
             }
         )
 
-    # Neighbours that come before the centre in raster order must be smaller; those that come after may equal it
-    # with ties="first". Half a unit more for the centre and for those before says both with one comparison.
+    # Neighbours that come before the centre in raster order must be smaller; those that come after
+    # may equal it with ties="first". Half a unit more for the centre and for those before says both
+    # with one comparison.
 
     def _ahead(self, value: Value) -> Value:
         return value if self._parameters.algorithm.ties == "strict" else Cat(C(1, 1), value)
@@ -60,7 +63,8 @@ class Maxima(wiring.Component):
 
 
 class CornerDetection(Maxima):
-    """E: is the middle of three columns' middle row the largest of the 3x3 neighbourhood, and above T1?
+    """E: is the middle of three columns' middle row the largest of the 3x3 neighbourhood, and above
+    T1?
 
     Members
     -------

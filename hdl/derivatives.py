@@ -14,8 +14,9 @@ from golden.parameters import Parameters
 
 
 class Format(NamedTuple):
-    """How hardware holds a derivative of a surface: without ``zeros`` low bits, the rest at most ``largest`` full
-    responses. Of the gradient step: at most ``largest`` full products."""
+    """How hardware holds a derivative of a surface: without ``zeros`` low bits, the rest at most
+    ``largest`` full responses. Of the gradient step: at most ``largest`` full products.
+    """
 
     zeros: int
     largest: int
@@ -32,7 +33,9 @@ FORMATS: dict[Fit, Derivatives[Format]] = {
 
 
 def derivatives_layout(parameters: Parameters) -> data.StructLayout:
-    """``golden.derivatives.Derivatives``, each signed and without the low bits that are always zero."""
+    """``golden.derivatives.Derivatives``, each signed and without the low bits that are always
+    zero.
+    """
     if parameters.algorithm.fit not in FORMATS:
         raise ValueError(f"fit is {parameters.algorithm.fit!r}; allowed in hardware: {', '.join(FORMATS)}")
     unit = parameters.product_max if parameters.algorithm.fit == "gradient" else parameters.response_max

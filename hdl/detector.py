@@ -50,13 +50,13 @@ class Detector(wiring.Component):
             ├ candidates ─ subpixel ┬─ output constructor ─ records
             └ notes ────────────────┘
 
-    With ``fit="gradient"`` the pixel at each response's centre goes along with it through the second buffer, and the
-    gradient step's normal equations take the place of the surface fit; other options exchange blocks of the windows,
-    too: see :class:`hdl.window_stage.WindowStage`.
+    With ``fit="gradient"`` the pixel at each response's centre goes along with it through the
+    second buffer, and the gradient step's normal equations take the place of the surface fit; other
+    options exchange blocks of the windows, too: see :class:`hdl.window_stage.WindowStage`.
 
-    The paper also buffers A, B and C, and the responses three times, and refines every pixel. Here gradients and
-    products are made anew for each row of the smoothing window; one response buffer serves all that need windows;
-    and only candidates are refined. The records are the same.
+    The paper also buffers A, B and C, and the responses three times, and refines every pixel. Here
+    gradients and products are made anew for each row of the smoothing window; one response buffer
+    serves all that need windows; and only candidates are refined. The records are the same.
 
     Parameters
     ----------
@@ -68,7 +68,8 @@ class Detector(wiring.Component):
     i
         Stream of pixels, unsigned(pixel_bits), in raster order, frames back to back.
     width, height
-        Frame size, 15 to the built maximum; sampled with a frame's first pixel, as is all that follows.
+        Frame size, 15 to the built maximum; sampled with a frame's first pixel, as is all that
+        follows.
     sigma1, sigma2
         Thresholds in units of 2**-16 (``Settings.sigma1_fixed``, ``sigma2_fixed``).
     use_constant, constant, floor, report_rejected
@@ -76,15 +77,20 @@ class Detector(wiring.Component):
     max_corners, target_corners, reference_rank, smoothing
         With ``budget`` only: as in ``golden.Settings``.
     o
-        Stream of ``record_layout()``: the frame's corners in raster order, then its end-of-frame record.
+        Stream of ``record_layout()``: the frame's corners in raster order, then its end-of-frame
+        record.
     mark
-        With ``video_out`` only: stream of ``mark_layout()``, one for each pixel that can be a corner.
+        With ``video_out`` only: stream of ``mark_layout()``, one for each pixel that can be a
+        corner.
     found
-        With ``budget`` only: corners of the frame whose end-of-frame record is on offer, not only those reported.
+        With ``budget`` only: corners of the frame whose end-of-frame record is on offer, not only
+        those reported.
     adapted, adapting
-        With ``budget`` only: ``adapted_layout(parameters)`` for the next frame, and that it is not ready yet.
+        With ``budget`` only: ``adapted_layout(parameters)`` for the next frame, and that it is not
+        ready yet.
     kept
-        With ``budget`` only: what ``adapted`` was before a reset, if the next frame is to follow it; steady.
+        With ``budget`` only: what ``adapted`` was before a reset, if the next frame is to follow
+        it; steady.
     """
 
     def __init__(self, parameters: Build) -> None:
@@ -128,7 +134,9 @@ class Detector(wiring.Component):
 
     @property
     def blocks(self) -> dict[str, Any]:
-        """Every block on the way of a frame's last pixel to its end-of-frame record, by name, with a ``latency``."""
+        """Every block on the way of a frame's last pixel to its end-of-frame record, by name, with
+        a ``latency``.
+        """
         return {
             "frame control": self._frame_control,
             "pixel buffer": self._pixel_buffer,
@@ -148,22 +156,27 @@ class Detector(wiring.Component):
         """Clocks from a frame's last pixel to its end-of-frame record, ``lean`` and unstalled.
 
         Corners go first: one near the frame's end, or several that still wait, can add up to
-        :attr:`refinement_latency`. With ``banked`` buffers the time to read out the last row comes on top: see
-        :meth:`frame_latency`.
+        :attr:`refinement_latency`. With ``banked`` buffers the time to read out the last row comes
+        on top: see :meth:`frame_latency`.
         """
         # the end is noted a clock after the last window
         return sum(block.latency for block in self.blocks.values()) + 1
 
     @property
     def refinement_latency(self) -> int:
-        """Most clocks that a frame's end waits for corners: a full queue, and those in the refinement."""
+        """Most clocks that a frame's end waits for corners: a full queue, and those in the
+        refinement.
+        """
         return (self._parameters.queue_depth + 1) * self._subpixel.interval + self._subpixel.latency
 
     def frame_latency(self, width: int) -> int:
-        """Clocks from a frame's last pixel to its end-of-frame record, unstalled, for either buffering."""
+        """Clocks from a frame's last pixel to its end-of-frame record, unstalled, for either
+        buffering.
+        """
         if self._parameters.buffering == "lean":
             return self.latency
-        # each buffer starts reading a row when its last value is in, and ends one row's length later
+        # each buffer starts reading a row when its last value is in, and ends one row's length
+        # later
         return self.latency + (width - 1) + (width - 7)
 
     def elaborate(self, platform: Any) -> Module:
@@ -201,7 +214,8 @@ class Detector(wiring.Component):
         columns, responses = self._pixel_buffer.o, self._response.o
         skid, limits, buffer = self._response_skid, self._thresholds, self._response_buffer
         m.d.comb += [
-            # the blocks from preprocessing to response move together, whenever what follows them is ready
+            # the blocks from preprocessing to response move together, whenever what follows them is
+            # ready
             pixels.enable.eq(responses.ready),
             pixels.step.eq(columns.valid & columns.ready),
             pixels.i.eq(columns.payload.data[PIXEL_ROWS // 2]),

@@ -12,11 +12,13 @@ from golden.divider import QUOTIENT_BITS
 
 
 class Divider(wiring.Component):
-    """floor(256 · numerator / denominator), or the limit if that is more: the magnitude in ``golden.divider.divide``.
+    """floor(256 · numerator / denominator), or the limit if that is more: the magnitude in
+    ``golden.divider.divide``.
 
-    Restoring division: the remainder is doubled, and what is left after taking the denominator off, if it can be
-    taken, is the next remainder. After the clock of ``load`` it takes ``quotient_bits`` enabled clocks. A limit
-    above one half is one half of a denominator as many places further up.
+    Restoring division: the remainder is doubled, and what is left after taking the denominator off,
+    if it can be taken, is the next remainder. After the clock of ``load`` it takes
+    ``quotient_bits`` enabled clocks. A limit above one half is one half of a denominator as many
+    places further up.
 
     Parameters
     ----------

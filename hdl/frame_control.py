@@ -1,4 +1,6 @@
-"""Frame control: marks rows and frames in the stream of pixels, and latches what each frame is processed with."""
+"""Frame control: marks rows and frames in the stream of pixels, and latches what each frame is
+processed with.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,8 @@ from hdl.thresholds import settings_layout
 class FrameControl(wiring.Component):
     """Counts pixels into rows and frames.
 
-    Size and settings are sampled with the first pixel of a frame and hold for the whole of it. A width or height
-    out of range is taken as the nearest that is allowed (15, or the built maximum).
+    Size and settings are sampled with the first pixel of a frame and hold for the whole of it. A
+    width or height out of range is taken as the nearest that is allowed (15, or the built maximum).
 
     Members
     -------
@@ -31,7 +33,8 @@ class FrameControl(wiring.Component):
     o
         Stream of ``Beat(unsigned(pixel_bits))``. Its ready must not wait for its valid.
     settings
-        Stream of ``settings_layout(parameters)``, one per frame. A first pixel waits until it can be taken.
+        Stream of ``settings_layout(parameters)``, one per frame. A first pixel waits until it can
+        be taken.
     """
 
     latency = 1
@@ -59,7 +62,8 @@ class FrameControl(wiring.Component):
             step.eq(self.i.valid & self.i.ready),
         ]
 
-        # what is compared is a pixel early, and a row, so that the ends are registers; never 0, where all begins
+        # what is compared is a pixel early, and a row, so that the ends are registers; never 0,
+        # where all begins
         x, y = Signal(range(self._parameters.max_width)), Signal(range(self._parameters.max_height))
         last_but_one_x, last_but_one_y = (Signal.like(place, init=SUPPORT - 2) for place in (x, y))
         eol, last_row, eof = Signal(), Signal(), Signal()

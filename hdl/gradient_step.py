@@ -19,14 +19,16 @@ from hdl.preprocessing import Preprocessing
 
 
 class GradientStep(wiring.Component):
-    """Normal equations of the 9x9 pixels of which a column is the last; the place of the surface fit.
+    """Normal equations of the 9x9 pixels of which a column is the last; the place of the surface
+    fit.
 
     Members
     -------
     i
         Stream of ``Columns(unsigned(pixel_bits), 9)``.
     o
-        Stream of ``derivatives_layout(parameters)``, one for every column but the first eight of a row.
+        Stream of ``derivatives_layout(parameters)``, one for every column but the first eight of a
+        row.
     """
 
     def __init__(self, parameters: Parameters) -> None:

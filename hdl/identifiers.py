@@ -42,12 +42,16 @@ LONGEST = 64
 
 
 def is_plain(name: str) -> bool:
-    """A name in VHDL as well as in Verilog: VHDL allows no two underscores in a row, and none at either end."""
+    """A name in VHDL as well as in Verilog: VHDL allows no two underscores in a row, and none at
+    either end.
+    """
     return bool(_PLAIN.fullmatch(name)) and name.lower() not in KEYWORDS
 
 
 def check_name(name: str) -> None:
-    """``ValueError`` if a core cannot be called so; its modules, files and macros begin with this name."""
+    """``ValueError`` if a core cannot be called so; its modules, files and macros begin with this
+    name.
+    """
     if len(name) > LONGEST or not is_plain(name):
         raise ValueError(
             f"name is {name!r}; allowed: a letter, then letters, digits and single underscores inside, up to "
@@ -56,6 +60,8 @@ def check_name(name: str) -> None:
 
 
 def plain_port(name: str) -> str:
-    """A port of the hardware's sources as the Verilog has it: ``i_valid`` for ``i__valid``, no keyword."""
+    """A port of the hardware's sources as the Verilog has it: ``i_valid`` for ``i__valid``, no
+    keyword.
+    """
     plain = name.replace("__", "_")
     return f"reference_{plain}" if plain in KEYWORDS else plain

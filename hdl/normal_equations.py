@@ -1,6 +1,8 @@
 # amaranth: UnusedElaboratable=no
 # the tables are made at once, because their memory is counted, and elaborated perhaps never
-"""The gradient step's normal equations (``golden.normal_equations``): five sums over a 7x7 window of gradients."""
+"""The gradient step's normal equations (``golden.normal_equations``): five sums over a 7x7 window
+of gradients.
+"""
 
 from __future__ import annotations
 
@@ -24,12 +26,16 @@ COLUMN_LATENCY = SquareTable.latency + 4
 
 
 def signed_sizes(parameters: Parameters) -> data.StructLayout:
-    """Sizes of gradients and of their difference, as preprocessing delivers them where gradients have signs."""
+    """Sizes of gradients and of their difference, as preprocessing delivers them where gradients
+    have signs.
+    """
     return sizes_layout(parameters.changed(gradient="signed"))
 
 
 class _Column(NamedTuple):
-    """Sums down one column: of A, B and C, and of v·B and v·C with v the row's place relative to the middle one."""
+    """Sums down one column: of A, B and C, and of v·B and v·C with v the row's place relative to
+    the middle one.
+    """
 
     a: Value
     b: Value
@@ -41,8 +47,8 @@ class _Column(NamedTuple):
 class NormalEquations(wiring.Component):
     """Sums of A, B, C, A·u + C·v and C·u + B·v over the 7x7 window of which a column is the last.
 
-    Squares come from tables, as in the convolution: with a, b and d those of gx, gy and gx - gy, C = (a + b - d) / 2.
-    Each is summed down the column, and so is v times it:
+    Squares come from tables, as in the convolution: with a, b and d those of gx, gy and gx - gy, C
+    = (a + b - d) / 2. Each is summed down the column, and so is v times it:
 
         clock 2   squares of rows -3 to 3
         clock 3   sums and differences of rows -k and k
@@ -50,22 +56,24 @@ class NormalEquations(wiring.Component):
         clock 5   their sums S, and V = Σ v·square
         clock 6   of C: S and V of a + b - d, halved
 
-    Along the row the sums are kept up to date: what a new column adds comes in, what the one seven columns before it
-    added leaves. With S the sum of a column's A, the part of x that A makes shrinks by the whole window's S, as each
-    column that stays is one place further to the left:
+    Along the row the sums are kept up to date: what a new column adds comes in, what the one seven
+    columns before it added leaves. With S the sum of a column's A, the part of x that A makes
+    shrinks by the whole window's S, as each column that stays is one place further to the left:
 
         Σ A          grows by S(new) - S(old)
         Σ (u·S + V)  grows by 3 S(new) + V(new) + 4 S(old) - V(old) - Σ A, the sum as it was
 
-    and likewise the y from C and B. That holds across ends of rows too, where windows are not complete and nothing is
-    delivered; so the sums start from 0 at reset and never again. Columns before the first after reset count as 0.
+    and likewise the y from C and B. That holds across ends of rows too, where windows are not
+    complete and nothing is delivered; so the sums start from 0 at reset and never again. Columns
+    before the first after reset count as 0.
 
     Members
     -------
     i
         Stream of ``Columns(signed_sizes(parameters), 7)``.
     o
-        Stream of ``derivatives_layout(parameters)``, one for every column but the first six of a row.
+        Stream of ``derivatives_layout(parameters)``, one for every column but the first six of a
+        row.
     """
 
     latency = COLUMN_LATENCY + 4
@@ -131,7 +139,9 @@ class NormalEquations(wiring.Component):
         )
 
     def _along_row(self, m: Module, pipe: Pipeline, column: _Column) -> dict[str, Value]:
-        """The five sums over the window, kept up to date; the minus of xy is part of the differences' order."""
+        """The five sums over the window, kept up to date; the minus of xy is part of the
+        differences' order.
+        """
         width = {name: field.width for name, field in self._layout}
         beats = [pipe.delay(pipe.valid, COLUMN_LATENCY, "beat", reset=True)]
         for k in range(3):

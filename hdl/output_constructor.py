@@ -1,4 +1,6 @@
-"""Output construction (Sec. 3.5): puts records (see ``golden.output_constructor``) together and closes each frame."""
+"""Output construction (Sec. 3.5): puts records (see ``golden.output_constructor``) together and
+closes each frame.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,8 @@ def record_layout() -> data.StructLayout:
 
 
 class OutputConstructor(wiring.Component):
-    """Adds each candidate's offset to its place, and counts. All of ``o`` but its ready comes from registers.
+    """Adds each candidate's offset to its place, and counts. All of ``o`` but its ready comes from
+    registers.
 
     Members
     -------
@@ -32,7 +35,8 @@ class OutputConstructor(wiring.Component):
     o
         Stream of ``record_layout()``.
     found
-        With ``budget`` only: corners of the frame whose end-of-frame record is on offer, not only those reported.
+        With ``budget`` only: corners of the frame whose end-of-frame record is on offer, not only
+        those reported.
     """
 
     latency = 1

@@ -1,4 +1,6 @@
-"""Preprocessing (Sec. 3.1): gradients out of columns of pixels, and the numbers whose squares make products."""
+"""Preprocessing (Sec. 3.1): gradients out of columns of pixels, and the numbers whose squares make
+products.
+"""
 
 from __future__ import annotations
 
@@ -28,19 +30,22 @@ def sizes_layout(parameters: Parameters) -> data.StructLayout:
 
 
 class Preprocessing(wiring.Component):
-    """Sizes of the gradients, and of their difference, of five pixels above each other, or another number.
+    """Sizes of the gradients, and of their difference, of five pixels above each other, or another
+    number.
 
-    Takes columns of seven rows of pixels, delivers rows two positions shorter. The gradients of a pixel are made
-    anew for each of the five rows of the smoothing window that it passes: pixels wait in less memory.
+    Takes columns of seven rows of pixels, delivers rows two positions shorter. The gradients of a
+    pixel are made anew for each of the five rows of the smoothing window that it passes: pixels
+    wait in less memory.
 
         clock 1   gx, gy
         clock 2   |gx|, |gy|, and ±(|gx| - |gy|) (absolute) or gx - gy (signed)
 
-    With ``derivative="sobel"`` gx and gy come two clocks later: three rows of each column are added up, and the
-    column two before is subtracted; differences of two rows are added up along the row, twice two neighbours; then
-    both are rounded.
+    With ``derivative="sobel"`` gx and gy come two clocks later: three rows of each column are added
+    up, and the column two before is subtracted; differences of two rows are added up along the row,
+    twice two neighbours; then both are rounded.
 
-    The size of the difference comes from an adder, not from a register: the next block should not compute with it.
+    The size of the difference comes from an adder, not from a register: the next block should not
+    compute with it.
 
     Parameters
     ----------

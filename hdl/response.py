@@ -29,9 +29,9 @@ class Response(wiring.Component):
 
         x² = h²·4ⁿ + l² + 2hl·2ⁿ,   2hl = h² + l² - (h - l)²
 
-    so that with Q, the sum over both numbers of h²·2ⁿ + l², and E, that of (h - l)², the radicand is
-    Q + (Q - E)·2ⁿ. A tensor smoothed from real pixels keeps it within 2·root_bits. A + B and the tags
-    wait in a delay line beside all this.
+    so that with Q, the sum over both numbers of h²·2ⁿ + l², and E, that of (h - l)², the radicand
+    is Q + (Q - E)·2ⁿ. A tensor smoothed from real pixels keeps it within 2·root_bits. A + B and the
+    tags wait in a delay line beside all this.
 
     Members
     -------
@@ -46,7 +46,8 @@ class Response(wiring.Component):
         self._bits = parameters.root_bits
         self._response = unsigned(parameters.response_bits)
         self._root = SquareRoot(self._bits, parameters.sqrt_bits_per_stage)
-        # one clock less: its last register stands by itself, because the line is block RAM and so far away
+        # one clock less: its last register stands by itself, because the line is block RAM and so
+        # far away
         self._line = DelayLine(self._bits + 2, RADICAND_LATENCY + self._root.latency - 1)
         self._halves = [SquareTable(self._half) for _ in range(2)]
         self._differences = SquareTable(self._half + 1, signed_numbers=True)

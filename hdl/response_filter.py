@@ -1,4 +1,6 @@
-"""Response filter: the middle three rows of D smoothed by [1 2 1]ᵀ[1 2 1] / 16, in place of the centre rows."""
+"""Response filter: the middle three rows of D smoothed by [1 2 1]ᵀ[1 2 1] / 16, in place of the
+centre rows.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +21,11 @@ def filtered_rows(parameters: Parameters) -> int:
 
 
 class ResponseFilter(wiring.Component):
-    """S (``golden.response_filter``) of the middle rows, so late that windows of 3 and of 9 are complete together.
+    """S (``golden.response_filter``) of the middle rows, so late that windows of 3 and of 9 are
+    complete together.
 
-    Does what :class:`hdl.centre_rows.CentreRows` does, in the same clocks, with S instead of D, and with
-    ``suppression`` r above 1 for as many rows and columns around each centre.
+    Does what :class:`hdl.centre_rows.CentreRows` does, in the same clocks, with S instead of D, and
+    with ``suppression`` r above 1 for as many rows and columns around each centre.
 
         clock 1   a + 2b + c down the column
         clock 2   the same along the row: pairs of neighbours, and pairs of these
@@ -71,7 +74,9 @@ class ResponseFilter(wiring.Component):
         return m
 
     def _down(self, row: int) -> Value:
-        """a + 2b + c + 2: of the half that rounds the mean over 3x3 a quarter comes from each of four columns."""
+        """a + 2b + c + 2: of the half that rounds the mean over 3x3 a quarter comes from each of
+        four columns.
+        """
         above, here, below = (self.i.payload.data[k] for k in (row - 1, row, row + 1))
         # both ones enter where the adders have room for them
         ends = (Cat(C(1, 1), above) + Cat(C(1, 1), below))[1:]

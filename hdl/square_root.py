@@ -19,14 +19,16 @@ RINGS = (4, 5)
 class SquareRoot(wiring.Component):
     """Floor square root of an unsigned number of ``2·root_bits`` bits, one per enabled clock.
 
-    Each step takes the radicand's next two bits d and forms, with the remainder r and the root q so far,
+    Each step takes the radicand's next two bits d and forms, with the remainder r and the root q so
+    far,
 
         r >= 0:  r' = (4r + d) - (4q + 1) = 4r + d + 4·~q + 3       q' = 2q + (r' >= 0)
         r <  0:  r' = (4r + d) + (4q + 3)
 
-    so a step is one adder and no multiplexer, and the remainder of n result bits needs n+2 bits. What it adds is
-    q with each bit inverted where r >= 0: the root is kept in that form, so that the adder's operand comes
-    straight out of a register, and its inversion takes place behind the adder before.
+    so a step is one adder and no multiplexer, and the remainder of n result bits needs n+2 bits.
+    What it adds is q with each bit inverted where r >= 0: the root is kept in that form, so that
+    the adder's operand comes straight out of a register, and its inversion takes place behind the
+    adder before.
 
     Parameters
     ----------
@@ -111,7 +113,9 @@ class SquareRoot(wiring.Component):
 
 
 def _wait(clocks: int) -> tuple[int, int, int]:
-    """So many clocks as single ones and rounds of the two delay lines, with few single ones but the last."""
+    """So many clocks as single ones and rounds of the two delay lines, with few single ones but the
+    last.
+    """
     rounds = max(clocks - 1, 0)
     fives = min(rounds % 4, rounds // 5)
     fours = (rounds - 5 * fives) // 4
@@ -119,7 +123,9 @@ def _wait(clocks: int) -> tuple[int, int, int]:
 
 
 def _step(m: Module, operand: Value, remainder: Value, digit: Value) -> Value:
-    """The next remainder, in two's complement like the one before; the next result bit is its sign, inverted."""
+    """The next remainder, in two's complement like the one before; the next result bit is its sign,
+    inverted.
+    """
     bits = len(operand) + 3
     # again used several times
     result = Signal(bits, name=f"step_{len(operand)}")

@@ -1,6 +1,8 @@
 # amaranth: UnusedElaboratable=no
 # the dividers are made at once, because their formats are part of the unit's, and elaborated perhaps never
-"""Subpixel refinement (Sec. 3.4, Fig. 13): a candidate's offset out of two equations (Eq. 13), a bit per clock."""
+"""Subpixel refinement (Sec. 3.4, Fig. 13): a candidate's offset out of two equations (Eq. 13), a
+bit per clock.
+"""
 
 from __future__ import annotations
 
@@ -21,17 +23,20 @@ from hdl.parts.arithmetic import add_with_carry, magnitude
 
 
 def offset_layout(fit: Fit = "nine") -> data.StructLayout:
-    """Offset in 1/128 pixel, at most ``golden.subpixel.offset_limit(fit)`` either way, and what became of the fit."""
+    """Offset in 1/128 pixel, at most ``golden.subpixel.offset_limit(fit)`` either way, and what
+    became of the fit.
+    """
     offset = signed(quotient_bits(offset_limit(fit)))
     return data.StructLayout({"dx": offset, "dy": offset, "clamped": 1, "not_maximum": 1})
 
 
 class Subpixel(wiring.Component):
-    """Offset of a candidate's corner: the peak of the surface fitted to its 3x3 responses, or the gradient step.
+    """Offset of a candidate's corner: the peak of the surface fitted to its 3x3 responses, or the
+    gradient step.
 
-    Three stages, each with a candidate of its own: the derivatives are shifted up until the largest is at the
-    top; products of mantissas are added up bit by bit; both quotients are found bit by bit. All move on
-    together every ``interval`` clocks.
+    Three stages, each with a candidate of its own: the derivatives are shifted up until the largest
+    is at the top; products of mantissas are added up bit by bit; both quotients are found bit by
+    bit. All move on together every ``interval`` clocks.
 
     Parameters
     ----------
@@ -77,8 +82,9 @@ class Subpixel(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        # Phase interval-1: everything moves on. An idle unit stays there, ready for the next candidate. So does one
-        # whose last offset has not been taken all the while; once it has, that costs a clock, and the way is short.
+        # Phase interval-1: everything moves on. An idle unit stays there, ready for the next
+        # candidate. So does one whose last offset has not been taken all the while; once it has,
+        # that costs a clock, and the way is short.
         last = self.interval - 1
         phase = Signal(range(self.interval), init=last)
         move = Signal()
@@ -123,7 +129,9 @@ class Subpixel(wiring.Component):
     def _multiply(
         self, m: Module, move: Value, phase: Value, mantissas: Derivatives[Value]
     ) -> dict[str, Value]:
-        """yy·x + xy·y, xx·y + xy·x and xx·yy - xy², by the bits of yy, xx and xy from the lowest to the sign."""
+        """yy·x + xy·y, xx·y + xy·x and xx·yy - xy², by the bits of yy, xx and xy from the lowest to
+        the sign.
+        """
         bits = self._mantissa_bits
         kept = {}
         for name in ("yy", "xy", "x", "y"):
@@ -161,7 +169,8 @@ class Subpixel(wiring.Component):
     ) -> Value:
         """Both quotients at once, by the same denominator; returns the offset.
 
-        Where a numerator is the least there can be, which has no magnitude, the surface has no peak.
+        Where a numerator is the least there can be, which has no magnitude, the surface has no
+        peak.
         """
         bits, found = self._sum_bits, self._quotient_bits
         concave, peak = Signal(reset_less=True), Signal(reset_less=True)
@@ -185,7 +194,8 @@ class Subpixel(wiring.Component):
                 divider.numerator.eq(magnitude(sums[axis][: bits + 1].as_signed())),
                 divider.denominator.eq(denominator),
             ]
-            # half of it, rounded away from zero: for a negative one, minus the quotient rounded down
+            # half of it, rounded away from zero: for a negative one, minus the quotient rounded
+            # down
             rounded = Cat(divider.quotient ^ negative.replicate(found), negative) + 1
             result = rounded[1 : found + 1] & peak.replicate(found)
             m.d.comb += offset[f"d{axis}"].eq(result)
@@ -195,7 +205,9 @@ class Subpixel(wiring.Component):
 
 
 def _accumulate(m: Module, added: Signal, bits: int, name: str, *, clear: Value, enable: Value) -> Value:
-    """Sum of ``added`` · 2**k over the k-th clocks of ``enable``: in each, one more bit of it is final."""
+    """Sum of ``added`` · 2**k over the k-th clocks of ``enable``: in each, one more bit of it is
+    final.
+    """
     high = Signal(signed(bits + 3), name=f"{name}_high", reset_less=True)
     low = Signal(bits + 1, name=f"{name}_low", reset_less=True)
     partial = (high + added)[: bits + 4]

@@ -14,22 +14,27 @@ from hdl.response_filter import filtered_rows
 
 
 class Suppression(Maxima):
-    """E: is the middle of 9 columns' middle row the largest of the (2r+1)x(2r+1) around it, and above T1?
+    """E: is the middle of 9 columns' middle row the largest of the (2r+1)x(2r+1) around it, and
+    above T1?
 
-    Does what :class:`hdl.corner_detection.CornerDetection` does behind :class:`hdl.centre_rows.CentreRows`, for
-    r = ``suppression`` from 1 to 4, and in the same number of clocks for all of them. With ``response_filter`` it
-    takes the 2r+1 rows and columns of :class:`hdl.response_filter.ResponseFilter`, and as many clocks as it needs.
+    Does what :class:`hdl.corner_detection.CornerDetection` does behind
+    :class:`hdl.centre_rows.CentreRows`, for r = ``suppression`` from 1 to 4, and in the same number
+    of clocks for all of them. With ``response_filter`` it takes the 2r+1 rows and columns of
+    :class:`hdl.response_filter.ResponseFilter`, and as many clocks as it needs.
 
-    Every column is reduced to two numbers: the largest of what its rows above and below the middle hold, and with the
-    middle row's value, too. The latter are kept for r columns, and a centre is compared with the r that came before
-    it, with the former of its own, and then with each of the r that follow, as they come: what waits is one bit.
+    Every column is reduced to two numbers: the largest of what its rows above and below the middle
+    hold, and with the middle row's value, too. The latter are kept for r columns, and a centre is
+    compared with the r that came before it, with the former of its own, and then with each of the r
+    that follow, as they come: what waits is one bit.
 
-    Clocks: up to 3 a column's largest (r of them for r = 1, 2, 3), 1 with its middle, 1 comparisons and what follows.
+    Clocks: up to 3 a column's largest (r of them for r = 1, 2, 3), 1 with its middle, 1 comparisons
+    and what follows.
 
     Members
     -------
     i
-        Stream of ``Columns(unsigned(response_bits), 9)``, or ``filtered_rows(parameters)`` in place of 9.
+        Stream of ``Columns(unsigned(response_bits), 9)``, or ``filtered_rows(parameters)`` in place
+        of 9.
     t1
         Stream of T1, one per frame, taken with the frame's last column.
     o
@@ -99,7 +104,9 @@ class Suppression(Maxima):
     def _deliver(
         self, m: Module, pipe: Pipeline, spent: int, complete: Value, peak: Value, above: Value, middle: Value
     ) -> None:
-        """What has been found ``spent`` clocks after its window's last column, as many clocks later as are left."""
+        """What has been found ``spent`` clocks after its window's last column, as many clocks later
+        as are left.
+        """
         left = self.latency - spent
         found = self.o.payload.data
         m.d.comb += [

@@ -1,4 +1,6 @@
-"""Surface fit (Sec. 3.4, Eq. 10): derivatives of a quadratic surface through the 3x3 responses of every pixel."""
+"""Surface fit (Sec. 3.4, Eq. 10): derivatives of a quadratic surface through the 3x3 responses of
+every pixel.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,8 @@ class SurfaceFit(wiring.Component):
     i
         Stream of ``Columns(unsigned(response_bits), 3)``.
     o
-        Stream of ``derivatives_layout(parameters)``, one for every column but the first two of a row.
+        Stream of ``derivatives_layout(parameters)``, one for every column but the first two of a
+        row.
     """
 
     latency = 3
@@ -84,7 +87,9 @@ def _nine_samples(pipe: Pipeline, column: list[Value]) -> Derivatives[Value]:
 
 
 def _six_samples(pipe: Pipeline, column: list[Value]) -> Derivatives[Value]:
-    """The surface through the paper's S0 S3 S5 S7 S2 S6: corners, left and right middle, and the bottom's middle."""
+    """The surface through the paper's S0 S3 S5 S7 S2 S6: corners, left and right middle, and the
+    bottom's middle.
+    """
     beat_1 = pipe.register(pipe.valid, "beat_1", reset=True)
     beat_2 = pipe.register(beat_1, "beat_2", reset=True)
     now = pipe.delay(Cat(*column), 2, "column")

@@ -16,7 +16,9 @@ from hdl.thresholds import thresholds_layout
 
 
 def texture_layout(parameters: Parameters) -> data.StructLayout:
-    """Is a window's centre textured; is it reported nevertheless or not; with ``texture="mean"``: its response."""
+    """Is a window's centre textured; is it reported nevertheless or not; with ``texture="mean"``:
+    its response.
+    """
     response = {"response": parameters.response_bits} if parameters.algorithm.texture == "mean" else {}
     return data.StructLayout({"textured": 1, "keep": 1, **response})
 
@@ -58,10 +60,11 @@ _ZERO = _Number(C(0, 1), 0, 0)
 
 @dataclass(frozen=True)
 class _Taps:
-    """What one column adds to tau, by the number of beats later at which it does; see :class:`TextureFilter`.
+    """What one column adds to tau, by the number of beats later at which it does; see
+    :class:`TextureFilter`.
 
-    ``left`` counts at 4 and at 5 beats, ``right`` at 0 and at 1, ``inner`` at 2 and at 4; left, right and those
-    of 1 and of 4 beats are still to be doubled.
+    ``left`` counts at 4 and at 5 beats, ``right`` at 0 and at 1, ``inner`` at 2 and at 4; left,
+    right and those of 1 and of 4 beats are still to be doubled.
     """
 
     now: _Number
@@ -78,35 +81,39 @@ class TextureFilter(wiring.Component):
 
     Takes columns of nine rows, delivers one beat per complete window, rows eight positions shorter.
 
-    Each patch is its smaller neighbour moved one pixel outwards along the diagonals, so every term of tau is the
-    absolute value of a difference of diagonal neighbours, the upper one subtracted:
+    Each patch is its smaller neighbour moved one pixel outwards along the diagonals, so every term
+    of tau is the absolute value of a difference of diagonal neighbours, the upper one subtracted:
 
         falling(x, y) = D(x, y) - D(x-1, y-1)        rising(x, y) = D(x, y) - D(x+1, y-1)
 
-    and tau is the sum over eight 3x3 boxes of these: falling around (2, 2), (3, 3), (-1, -1), (-2, -2) and rising
-    around (1, -1), (2, -2), (-2, 2), (-3, 3), relative to the centre. With ``patches="pixels"`` each box is its
-    centre alone.
+    and tau is the sum over eight 3x3 boxes of these: falling around (2, 2), (3, 3), (-1, -1), (-2,
+    -2) and rising around (1, -1), (2, -2), (-2, 2), (-3, 3), relative to the centre. With
+    ``patches="pixels"`` each box is its centre alone.
 
-    No absolute value is ever taken, because |d| = 2 max(d, 0) - d: the maximum is a register that its own
-    sign clears, and of the sum of all d next to nothing is left. Patches 1 and 2 of one difference and 2 and 3 of
-    the next cancel but for the outermost and the innermost. With T(k) the sum of the box's rows around row k,
+    No absolute value is ever taken, because |d| = 2 max(d, 0) - d: the maximum is a register that
+    its own sign clears, and of the sum of all d next to nothing is left. Patches 1 and 2 of one
+    difference and 2 and 3 of the next cancel but for the outermost and the innermost. With T(k) the
+    sum of the box's rows around row k,
 
         outer = T(-3) - T(3), at columns -3 and 3        inner = T(1) - T(-1), at columns -1 and 1
 
-    are added instead. Everything is summed down the columns first; a chain of additions then takes what each
-    column has to add, and keeps it for the later columns. Three neighbours of its sum make tau.
+    are added instead. Everything is summed down the columns first; a chain of additions then takes
+    what each column has to add, and keeps it for the later columns. Three neighbours of its sum
+    make tau.
 
-    Clocks: 1 differences, 2 sums down the column, 3 chain along the row, 4 three neighbours against T2, 5 what
-    follows from that.
+    Clocks: 1 differences, 2 sums down the column, 3 chain along the row, 4 three neighbours against
+    T2, 5 what follows from that.
 
     Members
     -------
     i
         Stream of ``Columns(unsigned(response_bits), 9)``.
     thresholds
-        Stream of ``thresholds_layout(parameters)``, one per frame, taken with the frame's last result.
+        Stream of ``thresholds_layout(parameters)``, one per frame, taken with the frame's last
+        result.
     o
-        Stream of ``Beat(texture_layout(parameters))``; keep = not textured, or rejected corners are reported too.
+        Stream of ``Beat(texture_layout(parameters))``; keep = not textured, or rejected corners are
+        reported too.
     """
 
     latency = 5
@@ -173,7 +180,9 @@ class TextureFilter(wiring.Component):
         )
 
     def _differences(self, pipe: Pipeline) -> tuple[dict[int, _Number], dict[int, _Number]]:
-        """Clock 1: max(falling, 0) at the newest column, max(rising, 0) at the one before it, by row."""
+        """Clock 1: max(falling, 0) at the newest column, max(rising, 0) at the one before it, by
+        row.
+        """
         newest = self.i.payload.data
         earlier = [
             pipe.register(newest[row], f"earlier_{row}", when=pipe.valid) for row in range(WINDOW_SIZE)
@@ -218,8 +227,9 @@ class TextureFilter(wiring.Component):
     def _is_textured(self, pipe: Pipeline, column: _Number, beat: Value) -> Value:
         """Clock 4: tau >= T2.
 
-        T2 is subtracted before a result's last column, first with the seventh of a row. It is the right frame's
-        even then: seven beats behind the last of the frame before, when that one's result has left.
+        T2 is subtracted before a result's last column, first with the seventh of a row. It is the
+        right frame's even then: seven beats behind the last of the frame before, when that one's
+        result has left.
         """
         margin = column - _Number.any_of(self.thresholds.payload.t2)
         margin = margin.register(pipe, "margin_1", when=beat)

@@ -39,7 +39,9 @@ def settings_layout(parameters: Parameters) -> data.StructLayout:
 
 
 def thresholds_layout(parameters: Parameters) -> data.StructLayout:
-    """T1 in units of D; T2 in units of tau, or the weight of the local level of D; settings of the ``budget``."""
+    """T1 in units of D; T2 in units of tau, or the weight of the local level of D; settings of the
+    ``budget``.
+    """
     t2_bits = parameters.response_bits + SIGMA2_INTEGER_BITS + (parameters.pixels_per_region - 1).bit_length()
     return data.StructLayout(
         {
@@ -56,25 +58,29 @@ class Thresholds(wiring.Component):
 
     With ``texture="mean"`` T2 is sigma2 itself, as ``golden.Settings.mean_weight``.
 
-    With a frame's first response, on its way from ``i`` to ``o``, it takes that frame's settings and multiplies, one
-    bit of sigma per clock, long before the frame's first window.
+    With a frame's first response, on its way from ``i`` to ``o``, it takes that frame's settings
+    and multiplies, one bit of sigma per clock, long before the frame's first window.
 
-    With ``budget``, and what a target or a rank asks for known of the frame before, that is T1, but at least
-    sigma1 · floor; or Dref, but at least the floor.
+    With ``budget``, and what a target or a rank asks for known of the frame before, that is T1, but
+    at least sigma1 · floor; or Dref, but at least the floor.
 
     Members
     -------
     i, o
-        Stream of ``Beat(unsigned(response_bits))``, passed through in the same clock. A first beat waits for
-        settings, and until the previous frame's thresholds have been taken.
+        Stream of ``Beat(unsigned(response_bits))``, passed through in the same clock. A first beat
+        waits for settings, and until the previous frame's thresholds have been taken.
     settings
-        Stream of ``settings_layout(parameters)``, one per frame; taken when the multiplication starts.
+        Stream of ``settings_layout(parameters)``, one per frame; taken when the multiplication
+        starts.
     thresholds
-        Stream of ``thresholds_layout(parameters)``, one per frame; take it when the frame is done with.
+        Stream of ``thresholds_layout(parameters)``, one per frame; take it when the frame is done
+        with.
     largest
-        Of the frame before, from the clock after its thresholds have been taken until the next one's are.
+        Of the frame before, from the clock after its thresholds have been taken until the next
+        one's are.
     adapted, adapting
-        With ``budget`` only: ``adapted_layout(parameters)``, and that it is not there yet: a first beat waits for it.
+        With ``budget`` only: ``adapted_layout(parameters)``, and that it is not there yet: a first
+        beat waits for it.
     """
 
     latency = 0
@@ -190,7 +196,9 @@ class Thresholds(wiring.Component):
     def _budget(
         self, m: Module, referred: Signal, reference: Signal, product1: Value, delivered: list[Any]
     ) -> tuple[Signal, Value, list[Any]]:
-        """With ``budget``: what sigma1 is multiplied by, T1, and what is to be done when the product is there."""
+        """With ``budget``: what sigma1 is multiplied by, T1, and what is to be done when the
+        product is there.
+        """
         settings, limits = self.settings.payload, self.thresholds.payload
         follows, finished = Signal(), Signal()
         factor1, t1 = Signal.like(reference, name="factor1"), Signal.like(reference, name="t1")

@@ -1,6 +1,8 @@
 # amaranth: UnusedElaboratable=no
 # the blocks are made at once, because their latency decides who waits for whom, and elaborated perhaps never
-"""From the windows of responses to candidates: which blocks these are, and how they are wired in the detector."""
+"""From the windows of responses to candidates: which blocks these are, and how they are wired in
+the detector.
+"""
 
 from __future__ import annotations
 
@@ -24,17 +26,19 @@ from hdl.texture_filter import TextureFilter
 
 
 class WindowStage:
-    """The blocks between response buffer and candidate selection. They move in step: all are ready whenever the
-    candidate selection is, and for each window all deliver in the same clock; those that take less wait for the rest.
+    """The blocks between response buffer and candidate selection. They move in step: all are ready
+    whenever the candidate selection is, and for each window all deliver in the same clock; those
+    that take less wait for the rest.
 
         columns ─┬ texture filter ─────────────────────────────── late textures ─┐
                  ├ centre rows ─┬─ corner detection ───────────── late corners ──┼─ candidate selection
                  │              └─ surface fit ──────────────────────────────────┤
                  └ pixels ──────── gradient step ────────────────────────────────┘
 
-    Of surface fit and gradient step there is one. With ``response_filter`` the centre rows are smoothed ones; with
-    ``texture="mean"`` the texture filter is an adaptive threshold; and where it is to be done for more than the 3x3
-    neighbourhood, or with ``budget``, another block detects corners, of D out of all nine rows.
+    Of surface fit and gradient step there is one. With ``response_filter`` the centre rows are
+    smoothed ones; with ``texture="mean"`` the texture filter is an adaptive threshold; and where it
+    is to be done for more than the 3x3 neighbourhood, or with ``budget``, another block detects
+    corners, of D out of all nine rows.
 
     Parameters
     ----------
@@ -94,11 +98,12 @@ class WindowStage:
         Parameters
         ----------
         columns
-            Output of the response buffer: ``Columns`` of nine responses, or of nine {"response", "pixel"}.
+            Output of the response buffer: ``Columns`` of nine responses, or of nine {"response",
+            "pixel"}.
         limits
-            The thresholds' stream. They stay until the last window of their frame leaves, with which its largest
-            response is known. They never come too late: they are ready soon after a frame's first response, and its
-            first column needs eight rows of them.
+            The thresholds' stream. They stay until the last window of their frame leaves, with
+            which its largest response is known. They never come too late: they are ready soon after
+            a frame's first response, and its first column needs eight rows of them.
         candidates
             Where corners, textures and equations go.
         """
@@ -134,7 +139,9 @@ class WindowStage:
         wiring.connect(m, equations.o, candidates.surfaces)
 
     def _payloads(self, columns: Any) -> list[Any]:
-        """Responses to texture filter and corner detection; their middle rows, or the pixels, to the equations."""
+        """Responses to texture filter and corner detection; their middle rows, or the pixels, to
+        the equations.
+        """
         centre_rows, corners, equations = self.centre_rows, self.corner_detection.i, self.equations.i
         texture = self.texture_filter.i
         if not self._by_gradients:

@@ -1,4 +1,6 @@
-"""Runs the hardware against the golden model: engines behind one interface, a frame driver, a comparison."""
+"""Runs the hardware against the golden model: engines behind one interface, a frame driver, a
+comparison.
+"""
 
 from sim.cache import CacheError
 from sim.compiler import CompilationError, CompilerNotFoundError

@@ -1,4 +1,6 @@
-"""The reference engine: Amaranth's own simulator. Needs no compiler; about two thousand clocks per second."""
+"""The reference engine: Amaranth's own simulator. Needs no compiler; about two thousand clocks per
+second.
+"""
 
 from __future__ import annotations
 
@@ -190,7 +192,9 @@ def _key(view: View, name: str) -> str:
 
 
 def _find_in(save: str) -> Find:
-    """Where the signals are in the waves, as a save file says it that has a group, named by key, for each."""
+    """Where the signals are in the waves, as a save file says it that has a group, named by key,
+    for each.
+    """
     paths = dict(re.findall(r"^-(\S+)\n@\w+\n([^-\s]\S*)$", save, re.MULTILINE))
     return lambda view, name: paths.get(_key(view, name))
 
@@ -216,7 +220,9 @@ class AmaranthEngine:
 
     @property
     def driven(self) -> Value:
-        """All inputs: reset; valid and payload of each input stream; ready of each output; plain inputs."""
+        """All inputs: reset; valid and payload of each input stream; ready of each output; plain
+        inputs.
+        """
         parts: list[Any] = [self._reset]
         for port in self.ports.inputs:
             member = getattr(self._component, port.name)
@@ -257,7 +263,9 @@ class AmaranthEngine:
 
     @contextmanager
     def _waves(self, path: Path) -> Iterator[None]:
-        """Write waves meanwhile, and at the end the list of signals, unless it is a pipe, which has no size."""
+        """Write waves meanwhile, and at the end the list of signals, unless it is a pipe, which has
+        no size.
+        """
         # names in the waves are Amaranth's own, which it tells in a save file only
         shown, save = views(self._component, self.ports), StringIO()
         traces = {_key(view, name): part for view in shown for name, part in view.signals.items()}

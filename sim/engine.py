@@ -1,4 +1,5 @@
-"""One interface for every way to run a component: Amaranth's simulator, compiled C++, emitted Verilog.
+"""One interface for every way to run a component: Amaranth's simulator, compiled C++, emitted
+Verilog.
 
 All engines obey the same rules, so that even the clock of each transfer agrees between them:
 
@@ -104,13 +105,14 @@ def make_engine(
     Parameters
     ----------
     name
-        ``"compiled"``: CXXRTL and a C++ compiler, around a million clocks per second; ``"amaranth"``:
-        Amaranth's own simulator, needs nothing, about two thousand; ``"verilog"``: Verilator on emitted
-        Verilog.
+        ``"compiled"``: CXXRTL and a C++ compiler, around a million clocks per second;
+        ``"amaranth"``: Amaranth's own simulator, needs nothing, about two thousand; ``"verilog"``:
+        Verilator on emitted Verilog.
     component
         Component that was not elaborated before.
     verilog
-        The Verilog text's file; for ``"verilog"`` only, which takes nothing but the ports from ``component``.
+        The Verilog text's file; for ``"verilog"`` only, which takes nothing but the ports from
+        ``component``.
     notify
         Called with one line before anything that takes seconds, such as compiling.
     cache

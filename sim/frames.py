@@ -21,7 +21,9 @@ Frame = tuple[NDArray[Any], Settings]
 
 _DRAIN_ROWS = 4
 _DRAIN_CLOCKS = 400
-"""A frame's last records leave within three rows and the depth of the pipeline, without any further input."""
+"""A frame's last records leave within three rows and the depth of the pipeline, without any further
+input.
+"""
 
 
 @dataclass(frozen=True)
@@ -33,8 +35,8 @@ class FrameRun:
     records
         The 64-bit words of the frame, the end-of-frame record included, shape (n,).
     clocks
-        From this frame's first pixel to the next one's; for the last frame, to its last pixel, which is
-        included. Without stalls and waiting this is the number of pixels.
+        From this frame's first pixel to the next one's; for the last frame, to its last pixel,
+        which is included. Without stalls and waiting this is the number of pixels.
     first_pixel, last_pixel
         Clocks in which these were accepted.
     end_of_frame
@@ -57,8 +59,8 @@ class SimulationResult:
     frames
         Frames that have ended, in order.
     leftover
-        Records after the last end of a frame, or with an end that no frame of pixels belongs to: always
-        a mismatch.
+        Records after the last end of a frame, or with an end that no frame of pixels belongs to:
+        always a mismatch.
     clocks, seconds
         Of the whole run.
     """
@@ -197,12 +199,14 @@ def _compare_words(frame: int, expected: Words, got: Words) -> list[Mismatch]:
 
 
 def compare(result: SimulationResult, expected: Sequence[NDArray[np.uint64]]) -> list[Mismatch]:
-    """All records that differ, frame by frame and position by position; empty if the simulation is right.
+    """All records that differ, frame by frame and position by position; empty if the simulation is
+    right.
 
     Parameters
     ----------
     expected
-        Per frame, the words of ``golden.StreamModel.process(...).records``, end-of-frame record included.
+        Per frame, the words of ``golden.StreamModel.process(...).records``, end-of-frame record
+        included.
     """
     nothing = np.zeros(0, np.uint64)
     got = [frame.records for frame in result.frames]
@@ -220,7 +224,9 @@ def compare(result: SimulationResult, expected: Sequence[NDArray[np.uint64]]) ->
 
 
 def summarize(mismatches: Sequence[Mismatch], limit: int = 5) -> str:
-    """One line of counts and one for each of the first ``limit`` mismatches; empty if there are none."""
+    """One line of counts and one for each of the first ``limit`` mismatches; empty if there are
+    none.
+    """
     if not mismatches:
         return ""
     missing = sum(mismatch.got is None for mismatch in mismatches)

@@ -118,7 +118,9 @@ def _stream(index: int, kind: str, port: StreamPort, member: Callable[[str], str
 
 
 def describe_streams(ports: Ports, member: Callable[[str], str | None]) -> str:
-    """C++ that tells the harness the streams; ``member`` maps a flat port name to a member of ``Dut``."""
+    """C++ that tells the harness the streams; ``member`` maps a flat port name to a member of
+    ``Dut``.
+    """
     text = "".join(_stream(k, "Input", port, member) for k, port in enumerate(ports.inputs))
     text += "".join(_stream(k, "Output", port, member) for k, port in enumerate(ports.outputs))
     for kind, streams in (("Input", ports.inputs), ("Output", ports.outputs)):
@@ -270,7 +272,9 @@ class NativeEngine(ABC):
         quiet: int = QUIET,
         max_clocks: int | None = None,
     ) -> Capture:
-        """See :meth:`sim.engine.Engine.run`. The library is built, or found in the cache, at the first run."""
+        """See :meth:`sim.engine.Engine.run`. The library is built, or found in the cache, at the
+        first run.
+        """
         has_reset = "rst" in self._present
         plan = prepare(self.ports, stimulus, quiet=quiet, max_clocks=max_clocks, has_reset=has_reset)
         path = None if vcd is None else Path(vcd)

@@ -74,7 +74,8 @@ def _level(name: str, member: wiring.Member, value: Any) -> LevelPort:
 
 
 def discover(component: wiring.Component) -> Ports:
-    """Streams and plain inputs at the top level of a component's signature; plain outputs are left out.
+    """Streams and plain inputs at the top level of a component's signature; plain outputs are left
+    out.
 
     Raises
     ------
@@ -103,6 +104,8 @@ def discover(component: wiring.Component) -> Ports:
 
 
 def signals(component: wiring.Component) -> list[Value]:
-    """All ports of a component as Amaranth's conversion takes them: without the constants of ``always_ready``."""
+    """All ports of a component as Amaranth's conversion takes them: without the constants of
+    ``always_ready``.
+    """
     members = [Value.cast(value) for _, _, value in component.signature.flatten(component)]
     return [member for member in members if isinstance(member, Signal)]

@@ -44,7 +44,8 @@ class Stalls:
             raise ValueError(f"stall seed is {self.seed!r}; allowed: whole numbers from 0")
 
     def patterns(self, ports: Ports) -> tuple[list[NDArray[np.uint8]], list[NDArray[np.uint8]]]:
-        """One pattern per input and per output stream: element ``t % len`` is 1 where clock ``t`` pauses.
+        """One pattern per input and per output stream: element ``t % len`` is 1 where clock ``t``
+        pauses.
 
         Streams are numbered inputs first; the seed and the number fix the pattern.
         """
@@ -70,8 +71,8 @@ class Stimulus:
         Per input stream the payloads, in order: shape (n,) for up to 64 bits, else (n, words) of
         little-endian 64-bit words. Streams left out get none.
     levels
-        ``(k, values)``: values of plain inputs from the clock in which beat ``k`` of the first input
-        stream is presented; those for ``k = 0`` hold from the first clock.
+        ``(k, values)``: values of plain inputs from the clock in which beat ``k`` of the first
+        input stream is presented; those for ``k = 0`` hold from the first clock.
     stalls
         Random pauses.
     reset_after
@@ -97,7 +98,8 @@ class Capture:
     output_clocks
         Per output stream, the clock of each transfer, shape (n,).
     input_clocks
-        Per input stream, the clock in which each beat was accepted, shape (n,); -1 if a reset lost it.
+        Per input stream, the clock in which each beat was accepted, shape (n,); -1 if a reset lost
+        it.
     clocks
         Clocks simulated, the quiet ones at the end included. The first clock is number 0.
     seconds
@@ -130,7 +132,8 @@ class Plan:
     source_stalls, sink_stalls
         See :meth:`Stalls.patterns`.
     changes
-        ``(beat, number of the level port, value)``, by beat; starts with the initial values at beat 0.
+        ``(beat, number of the level port, value)``, by beat; starts with the initial values at beat
+        0.
     reset_after
         -1 for never.
     """

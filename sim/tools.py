@@ -1,4 +1,6 @@
-"""Runs other programs so that nothing of them is left, whatever ends this one: no process, no temporary file."""
+"""Runs other programs so that nothing of them is left, whatever ends this one: no process, no
+temporary file.
+"""
 
 from __future__ import annotations
 

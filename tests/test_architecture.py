@@ -1,4 +1,6 @@
-"""The folders depend on each other in one direction only, and no file grows too long to be read in one sitting."""
+"""The folders depend on each other in one direction only, and no file grows too long to be read in
+one sitting.
+"""
 
 from __future__ import annotations
 

@@ -83,7 +83,9 @@ class _Wanted:
 
 
 def default_photograph(parameters: Parameters, *, normalize: bool = False) -> Photograph:
-    """scikit-image's ``camera``, 512x512: a public-domain photograph that comes with the installation."""
+    """scikit-image's ``camera``, 512x512: a public-domain photograph that comes with the
+    installation.
+    """
     # importing scikit-image takes a while
     from skimage.data import camera
 
@@ -112,7 +114,8 @@ def load(path: Path, parameters: Parameters, *, normalize: bool = False, options
     data = _contents(path)
     try:
         with warnings.catch_warnings():
-            # sizes are checked before any pixel is decoded, and what is damaged ends in an exception
+            # sizes are checked before any pixel is decoded, and what is damaged ends in an
+            # exception
             warnings.simplefilter("ignore")
             decoded = _decoded(data, str(path), wanted)
     except BadInput:

@@ -1,7 +1,9 @@
-"""What a file is, by its heading: what the decoder's answer does not tell, or tells differently by version.
+"""What a file is, by its heading: what the decoder's answer does not tell, or tells differently by
+version.
 
-Pillow reads 16-bit colour, 10-bit AVIF and signed bytes as unsigned 8-bit pixels without a word. So depth and kind of
-number are taken from the file itself, and only formats whose heading is read here are read at all.
+Pillow reads 16-bit colour, 10-bit AVIF and signed bytes as unsigned 8-bit pixels without a word. So
+depth and kind of number are taken from the file itself, and only formats whose heading is read here
+are read at all.
 """
 
 from __future__ import annotations
@@ -55,7 +57,8 @@ class Header:
     largest
         The number that is white, where that is not all ones (PGM).
     unspecified
-        There are samples beside grey or colours that are no transparency, or nobody says what (TIFF).
+        There are samples beside grey or colours that are no transparency, or nobody says what
+        (TIFF).
     """
 
     format: str
@@ -93,9 +96,11 @@ def read_header(data: bytes) -> Header | None:
 
 
 def without_extras(data: bytes) -> bytes:
-    """A PNG without what pixels do not need: texts and profiles of any length, and further pictures.
+    """A PNG without what pixels do not need: texts and profiles of any length, and further
+    pictures.
 
-    The transparent level of grey stays out as well: decoders compare it with pixels that they have widened before.
+    The transparent level of grey stays out as well: decoders compare it with pixels that they have
+    widened before.
     """
     kept = _PNG_ESSENTIAL - ({b"tRNS"} if data[25] == 0 else set())
     return data[:8] + b"".join(chunk for kind, chunk in _chunks(data) if kind in kept)

@@ -1,7 +1,8 @@
-"""Area, speed and clocks per frame of every build that the comparison page shows, measured and kept as JSON.
+"""Area, speed and clocks per frame of every build that the comparison page shows, measured and kept
+as JSON.
 
-Measuring takes the better part of an hour, so figures are kept, each with all that it depends on, and measured
-again only when that has changed.
+Measuring takes the better part of an hour, so figures are kept, each with all that it depends on,
+and measured again only when that has changed.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ Record = dict[str, Any]
 SIZES = ((1920, 1080), (1200, 720), (512, 512), (200, 200))
 """Widths and heights of the paper's Table 3."""
 PLACED = SIZES[:2]
-"""Sizes that are placed and routed, which takes minutes each: the smaller ones differ in their memories only."""
+"""Sizes that are placed and routed, which takes minutes each: the smaller ones differ in their
+memories only.
+"""
 BUFFERINGS: tuple[Buffering, ...] = ("banked", "lean")
 SEED = 1
 """Of place and route."""
@@ -97,7 +100,9 @@ def builds(sizes: Iterable[tuple[int, int]] = SIZES) -> list[Variant]:
 
 
 def structure(parameters: Build) -> Record:
-    """What the Verilog itself tells, without any tool: the bits of its memories and of its ports, and its digest."""
+    """What the Verilog itself tells, without any tool: the bits of its memories and of its ports,
+    and its digest.
+    """
     text = emit_verilog(parameters)
     _, modules = split_modules(text)
     memories = [memory for name, body in modules.items() for memory in find_memories(name, body)]
@@ -109,7 +114,8 @@ def structure(parameters: Build) -> Record:
 
 
 def clocks(parameters: Build, notify: Notify | None = None) -> Record:
-    """Clocks per frame, counted in a simulation of the built size, whose records must be the golden model's.
+    """Clocks per frame, counted in a simulation of the built size, whose records must be the golden
+    model's.
 
     Raises
     ------
@@ -162,11 +168,13 @@ def measure(
     cache
         Folder for figures that need not be measured again.
     synthesis, place
-        False leaves out what these tools tell; their figures are None then. Only :data:`PLACED` sizes are placed.
+        False leaves out what these tools tell; their figures are None then. Only :data:`PLACED`
+        sizes are placed.
     jobs
         Builds measured at a time. More than one run in processes of their own.
     notify
-        Called with one line before anything that takes seconds; with several jobs a function of a module.
+        Called with one line before anything that takes seconds; with several jobs a function of a
+        module.
 
     Returns
     -------
@@ -206,7 +214,9 @@ def _deaf_to_interrupts() -> Iterator[None]:
 
 
 def _end_in_order() -> None:
-    """In a worker: end with an exception, so that tools are ended, too, and temporary files removed."""
+    """In a worker: end with an exception, so that tools are ended, too, and temporary files
+    removed.
+    """
 
     def end(number: int, frame: object) -> None:
         raise SystemExit(128 + number)

@@ -1,4 +1,6 @@
-"""The page that sets the paper's Tables 1 to 4 beside our figures, as ``comparison.figures`` measures them."""
+"""The page that sets the paper's Tables 1 to 4 beside our figures, as ``comparison.figures``
+measures them.
+"""
 
 from __future__ import annotations
 
@@ -19,8 +21,8 @@ def page(figures: Record) -> str:
     Parameters
     ----------
     figures
-        As ``comparison.figures.measure`` returns them. Sizes that are missing are left out; a figure that was
-        not measured is a dash.
+        As ``comparison.figures.measure`` returns them. Sizes that are missing are left out; a
+        figure that was not measured is a dash.
     """
     builds: list[Record] = figures["builds"]
     parts = [

@@ -1,7 +1,7 @@
 """Tables 1 to 4 of the paper, as printed, and AMD's figures for its own corner detector.
 
-Numbers of the paper's references are kept in brackets. Where the paper contradicts itself the printed value stands,
-and :data:`REMARKS` says what is odd about it.
+Numbers of the paper's references are kept in brackets. Where the paper contradicts itself the
+printed value stands, and :data:`REMARKS` says what is odd about it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,9 @@ TABLE_1 = (
 
 @dataclass(frozen=True)
 class Consumption:
-    """Table 2: hardware resource consumption comparisons; no block RAMs where the paper prints a dash."""
+    """Table 2: hardware resource consumption comparisons; no block RAMs where the paper prints a
+    dash.
+    """
 
     method: str
     logic_elements: int
@@ -98,7 +100,8 @@ REMARKS = {
 
 @dataclass(frozen=True)
 class Harris:
-    """AMD's Vitis Vision ``cornerHarris``: HD frames, filter 5×5, one pixel per clock, Zynq UltraScale+.
+    """AMD's Vitis Vision ``cornerHarris``: HD frames, filter 5×5, one pixel per clock, Zynq
+    UltraScale+.
 
     Six-input LUTs, so they do not compare with logic elements one to one.
     """

@@ -1,7 +1,7 @@
 """How fast: the golden model beside OpenCV, and the compiled simulation beside Amaranth's.
 
-Each pair is timed in turns in one run, because machines are noisy and a ratio of two runs says little. Run it
-with ``cornerstream bench`` or ``python -m evaluation.comparison.speed [--json]``.
+Each pair is timed in turns in one run, because machines are noisy and a ratio of two runs says
+little. Run it with ``cornerstream bench`` or ``python -m evaluation.comparison.speed [--json]``.
 """
 
 from __future__ import annotations
@@ -33,7 +33,9 @@ Notify = Callable[[str], None]
 FULL_HD = (1080, 1920)
 """Height and width of the frame that is timed."""
 SMALL = (48, 64)
-"""Height and width of the frame that Amaranth's simulator gets: it needs seconds for these few pixels."""
+"""Height and width of the frame that Amaranth's simulator gets: it needs seconds for these few
+pixels.
+"""
 
 GOLDEN_GOAL = 5.0
 """The golden model takes at most so many times as long as OpenCV."""
@@ -103,7 +105,9 @@ class EngineSpeed:
 
 
 def mirrored_photograph(shape: tuple[int, int]) -> Image:
-    """scikit-image's photograph ``camera`` (512x512), continued by its mirror images, cut to ``shape``."""
+    """scikit-image's photograph ``camera`` (512x512), continued by its mirror images, cut to
+    ``shape``.
+    """
     from skimage import data
 
     photograph = np.asarray(data.camera())
@@ -125,8 +129,8 @@ def _seconds(action: Callable[[], object]) -> float:
 def golden_speed(repeats: int = 15) -> GoldenSpeed:
     """Time the golden model and OpenCV in turns on one Full HD frame.
 
-    Both report every maximum over its 3x3 neighbours above 0.01 of the largest response. That is all that
-    OpenCV does; the golden model filters by texture and refines to subpixels as well.
+    Both report every maximum over its 3x3 neighbours above 0.01 of the largest response. That is
+    all that OpenCV does; the golden model filters by texture and refines to subpixels as well.
     """
     cv2 = opencv()
     frame = mirrored_photograph(FULL_HD)
@@ -185,10 +189,11 @@ class _EngineUnderTest:
 def engine_speed(
     repeats: int = 3, parameters: Build | None = None, notify: Notify | None = None
 ) -> EngineSpeed:
-    """Clocks per second of both engines on the same detector, in turns; elaborating and compiling not counted.
+    """Clocks per second of both engines on the same detector, in turns; elaborating and compiling
+    not counted.
 
-    The compiled engine runs a Full HD frame, Amaranth's simulator a small one: the design is the same, built
-    for Full HD. Every run's records are compared with the golden model's.
+    The compiled engine runs a Full HD frame, Amaranth's simulator a small one: the design is the
+    same, built for Full HD. Every run's records are compared with the golden model's.
     """
     parameters = parameters or Build.profile("paper")
     say = notify or (lambda line: None)

@@ -1,4 +1,6 @@
-"""Chessboards: rendered with perspective, lens distortion, blur and noise, their inner corners known exactly."""
+"""Chessboards: rendered with perspective, lens distortion, blur and noise, their inner corners
+known exactly.
+"""
 
 from __future__ import annotations
 
@@ -99,7 +101,8 @@ def _greys(camera: _Camera) -> NDArray[np.float32]:
     # the way back is smooth: exact once a pixel, a pixel beyond the image, and linear between
     x, y = np.meshgrid(np.arange(-1.0, width + 1), np.arange(-1.0, height + 1))
     across, down = (_between(plane) for plane in camera.back(x, y))
-    # squares begin at whole numbers; inner corners are (0, 0) to (COLUMNS - 1, ROWS - 1), in a white margin
+    # squares begin at whole numbers; inner corners are (0, 0) to (COLUMNS - 1, ROWS - 1), in a
+    # white margin
     dark = (np.floor(across) + np.floor(down)) % 2 == 0
     inside = (across > -1) & (across < COLUMNS) & (down > -1) & (down < ROWS)
     margin = (across > -1.6) & (across < COLUMNS + 0.6) & (down > -1.6) & (down < ROWS + 0.6)
@@ -155,7 +158,9 @@ COMMON_SIZES = (
 
 
 def reference_corners(board: Board) -> NDArray[np.float64] | None:
-    """Inner corners by OpenCV's board detector, independent of ``cornerSubPix``; None if it finds none."""
+    """Inner corners by OpenCV's board detector, independent of ``cornerSubPix``; None if it finds
+    none.
+    """
     cv2 = opencv()
     for size in [board.size] if board.size else COMMON_SIZES:
         found, corners = cv2.findChessboardCornersSB(

@@ -1,4 +1,6 @@
-"""Optional packages: OpenCV, and those that are wanted for a file they ship, which is read without importing them."""
+"""Optional packages: OpenCV, and those that are wanted for a file they ship, which is read without
+importing them.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,8 @@ def opencv() -> ModuleType:
 
 
 def shipped_file(module: str, distribution: str, path: str) -> Path:
-    """A file inside an installed package, by its path below the package's folder; nothing is imported.
+    """A file inside an installed package, by its path below the package's folder; nothing is
+    imported.
 
     Raises
     ------

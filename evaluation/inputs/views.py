@@ -1,4 +1,6 @@
-"""Views of a photograph by known homographies: pixels are means of samples of it, with light and noise."""
+"""Views of a photograph by known homographies: pixels are means of samples of it, with light and
+noise.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,9 @@ SEED = 2017
 SAMPLES = 4
 """A pixel is the mean of 4x4 samples."""
 SCALE = 0.7
-"""Pixels of the first view per pixel of the photograph: views are to be as sharp as a photograph is."""
+"""Pixels of the first view per pixel of the photograph: views are to be as sharp as a photograph
+is.
+"""
 SENSOR_NOISE = 1.5
 """Standard deviation of the noise that every view has, in grey levels."""
 
@@ -38,7 +42,9 @@ class View:
     noise: float = SENSOR_NOISE
 
     def homography(self, width: int, height: int) -> Matrix:
-        """From the first view to this one: about the centre, then shifted; perspective per half a side."""
+        """From the first view to this one: about the centre, then shifted; perspective per half a
+        side.
+        """
         centre = np.array([[1, 0, (width - 1) / 2], [0, 1, (height - 1) / 2], [0, 0, 1.0]])
         turn = np.deg2rad(self.degrees)
         across, down = self.perspective

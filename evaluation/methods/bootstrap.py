@@ -1,4 +1,6 @@
-"""Spread of a figure: percentile bootstrap over images, which are what is drawn anew, with all their corners."""
+"""Spread of a figure: percentile bootstrap over images, which are what is drawn anew, with all
+their corners.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +29,8 @@ def interval(
     Parameters
     ----------
     groups
-        For each image its values, (n,) or (n, columns), n from 0 on: corners of one image are not independent, so
-        an image comes whole or not at all.
+        For each image its values, (n,) or (n, columns), n from 0 on: corners of one image are not
+        independent, so an image comes whole or not at all.
     statistic
         Of the values of all images.
     resamples
@@ -64,7 +66,9 @@ def _columns(groups: Sequence[Values]) -> list[Values]:
 
 
 def estimate(groups: Sequence[Values], statistic: Statistic, **options: Any) -> dict[str, Any]:
-    """``value`` of a statistic and its ``interval`` [low, high], as JSON takes them: None where there is none."""
+    """``value`` of a statistic and its ``interval`` [low, high], as JSON takes them: None where
+    there is none.
+    """
     groups = _columns(groups)
     if not groups or not sum(map(len, groups)):
         return {"value": None, "interval": None}

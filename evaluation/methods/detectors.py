@@ -1,6 +1,8 @@
-"""Detectors that are set side by side: the same question to each, corners of an image, strongest first.
+"""Detectors that are set side by side: the same question to each, corners of an image, strongest
+first.
 
-All of them are asked for corners whose 15x15 support lies inside the image, which is all that the hardware reports.
+All of them are asked for corners whose 15x15 support lies inside the image, which is all that the
+hardware reports.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ Points = NDArray[np.float64]
 """(n, 2): x and y of corners in pixels, the first pixel's centre at (0, 0), strongest first."""
 
 LOWEST_SIGMA1 = 0.002
-"""Where the best N are wanted, whatever their response: low enough that thousands remain on a photograph."""
+"""Where the best N are wanted, whatever their response: low enough that thousands remain on a
+photograph.
+"""
 NO_FILTER = float(1 << SIGMA2_INTEGER_BITS) - 1
 """sigma2 at which nothing is rejected: tau is at most 8 times the largest D."""
 MOST = 20_000
@@ -52,7 +56,9 @@ class Detector(ABC):
 
     @abstractmethod
     def ranked(self, image: Image, thresholds: Thresholds) -> Points:
-        """All corners, however weak, strongest first. Only sigma2 counts, and only where there is a filter."""
+        """All corners, however weak, strongest first. Only sigma2 counts, and only where there is a
+        filter.
+        """
 
     @abstractmethod
     def at(self, image: Image, thresholds: Thresholds) -> Points:
@@ -74,7 +80,8 @@ class Ours(Detector):
 
     def __init__(self, name: str, parameters: Parameters, *, filtered: bool = True) -> None:
         self.name = name
-        # what is built limits the size of a frame, and nothing else: images of every size are measured
+        # what is built limits the size of a frame, and nothing else: images of every size are
+        # measured
         self.parameters = replace(parameters, max_width=MAX_SIDE, max_height=MAX_SIDE)
         self.filtered = filtered
 
@@ -113,7 +120,9 @@ class GoodFeaturesToTrack(Detector):
 
 
 class Fast(Detector):
-    """OpenCV's FAST-9 of 16, with non-maximum suppression; whole pixels. It has a threshold of its own."""
+    """OpenCV's FAST-9 of 16, with non-maximum suppression; whole pixels. It has a threshold of its
+    own.
+    """
 
     name = "FAST"
     threshold = 10
@@ -164,8 +173,8 @@ PLAIN_PARAMETERS = Parameters.profile("paper", gradient="signed", ties="first", 
 def detectors(profiles: dict[str, Parameters]) -> list[Detector]:
     """Each profile with and without its filter, plain ranking by D, then OpenCV's, then chance.
 
-    Ranking by D is the paper's detector without a filter, but with signed gradients and placed by the gradient step:
-    what else a profile does has to be better than this.
+    Ranking by D is the paper's detector without a filter, but with signed gradients and placed by
+    the gradient step: what else a profile does has to be better than this.
     """
     ours: list[Detector] = [Ours(PLAIN, PLAIN_PARAMETERS, filtered=False)]
     for name, parameters in profiles.items():

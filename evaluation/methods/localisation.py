@@ -1,4 +1,6 @@
-"""Every way to place a corner, from the same whole pixels: these themselves, each fit of the golden model, OpenCV."""
+"""Every way to place a corner, from the same whole pixels: these themselves, each fit of the golden
+model, OpenCV.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +52,9 @@ class Placements:
 
 
 def methods(parameters: Parameters) -> list[str]:
-    """Names of the methods that a detector of these parameters allows, in the order in which they are shown."""
+    """Names of the methods that a detector of these parameters allows, in the order in which they
+    are shown.
+    """
     return [INTEGER, *_variants(parameters), OPENCV]
 
 

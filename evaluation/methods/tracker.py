@@ -1,7 +1,8 @@
-"""The exhaustive correlation tracker: every pixel of one image against every place within reach in the other.
+"""The exhaustive correlation tracker: every pixel of one image against every place within reach in
+the other.
 
-The paper's tracker correlates exhaustively, too, but its details are not in the paper; this one is normalised
-cross-correlation, forwards and backwards.
+The paper's tracker correlates exhaustively, too, but its details are not in the paper; this one is
+normalised cross-correlation, forwards and backwards.
 """
 
 from __future__ import annotations
@@ -67,7 +68,9 @@ class _Best:
 
 
 def _moments(image: Image, window: int) -> tuple[Floats, Floats, Floats]:
-    """Grey levels about 128, means of all patches, and 1 / their standard deviation, 0 where there is no patch."""
+    """Grey levels about 128, means of all patches, and 1 / their standard deviation, 0 where there
+    is no patch.
+    """
     cv2 = opencv()
     grey = image.astype(np.float32) - 128
     mean = cv2.blur(grey, (window, window))

@@ -1,4 +1,6 @@
-"""The page that shows how good the corners are: the study's figures as tables, for the template's prose."""
+"""The page that shows how good the corners are: the study's figures as tables, for the template's
+prose.
+"""
 
 from __future__ import annotations
 

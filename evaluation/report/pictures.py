@@ -1,4 +1,6 @@
-"""Pictures to judge by eye: where each method puts a corner, and which corners another view has again."""
+"""Pictures to judge by eye: where each method puts a corner, and which corners another view has
+again.
+"""
 
 from __future__ import annotations
 
@@ -115,7 +117,9 @@ _PART = 200
 
 
 def _repeated(profiles: dict[str, Parameters]) -> bytes:
-    """Corners of part of a photograph, equal numbers in the whole: those another view has again, and the others."""
+    """Corners of part of a photograph, equal numbers in the whole: those another view has again,
+    and the others.
+    """
     images = {image.name: image for image in photographs()}
     shown: list[Detector] = [each for each in detectors(profiles) if each.name in (*profiles, PLAIN)]
     drawn = figure(3.1 * len(shown), 3.3 * len(REPEATED_IN))

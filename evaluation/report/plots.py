@@ -1,4 +1,6 @@
-"""The study's figures as plots. Colours are Okabe and Ito's, told apart with every kind of colour vision."""
+"""The study's figures as plots. Colours are Okabe and Ito's, told apart with every kind of colour
+vision.
+"""
 
 from __future__ import annotations
 

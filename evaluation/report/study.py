@@ -48,12 +48,15 @@ _OF_VIEWS: set[Section] = {"repeatability", *_OF_VIDEOS}
 NOT_QUICK: tuple[Section, ...] = ("adaptation", "references", "word_lengths")
 """Sections of which there is no tenth: with ``quick`` they are left out."""
 Progress = Callable[[str, int], AbstractContextManager[Callable[[int], None]]]
-"""Called with what is being measured and how many steps it takes; gives what is to be called with steps done."""
+"""Called with what is being measured and how many steps it takes; gives what is to be called with
+steps done.
+"""
 
 
 @dataclass
 class Own:
-    """What the user gave to be measured on; what is empty is replaced by what packages ship, or by rendered scenes.
+    """What the user gave to be measured on; what is empty is replaced by what packages ship, or by
+    rendered scenes.
 
     Attributes
     ----------

@@ -1,4 +1,6 @@
-"""The sweep of word lengths for the page: its figures as tables, and a plot of area against accuracy."""
+"""The sweep of word lengths for the page: its figures as tables, and a plot of area against
+accuracy.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,9 @@
-"""What each step of profile ``robust`` towards stable corners is worth, at equal numbers of corners.
+"""What each step of profile ``robust`` towards stable corners is worth, at equal numbers of
+corners.
 
-From ranking by D upwards one thing changes at a time: the paper's texture filter, Sobel gradients, with the response
-filter, with the adaptive threshold. All are placed by the gradient step, so differences are those of the choice.
+From ranking by D upwards one thing changes at a time: the paper's texture filter, Sobel gradients,
+with the response filter, with the adaptive threshold. All are placed by the gradient step, so
+differences are those of the choice.
 """
 
 from __future__ import annotations
@@ -25,7 +27,9 @@ ADAPTIVE = "and adaptive threshold"
 
 
 def steps() -> list[Detector]:
-    """Ranking by D, the paper's filter in its place, and the profile's own steps, each with those before it."""
+    """Ranking by D, the paper's filter in its place, and the profile's own steps, each with those
+    before it.
+    """
     sobel = PLAIN_PARAMETERS.changed(derivative="sobel")
     smoothed = sobel.changed(response_filter="binomial")
     return [
@@ -50,8 +54,8 @@ def chosen(pairs: list[Pair]) -> list[Pair]:
 def texture(pairs: list[Pair], *, notify: Notify | None = None) -> Record:
     """Repeatability and rho of each step, and what it gains over ranking by D, by class of scene.
 
-    Repeatability over the pairs with a homography, rho over those in the tracker's reach. On each pair all steps have
-    the same number of corners: no more than the one that finds fewest.
+    Repeatability over the pairs with a homography, rho over those in the tracker's reach. On each
+    pair all steps have the same number of corners: no more than the one that finds fewest.
     """
     detectors, mode, memory = steps(), MODES[0], Memory()
     warped = [pair for pair in pairs if pair.homography is not None]

@@ -1,4 +1,6 @@
-"""How far corners are from where they truly are, in rendered scenes: the wide set, and the paper's Table 5."""
+"""How far corners are from where they truly are, in rendered scenes: the wide set, and the paper's
+Table 5.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ Record = dict[str, Any]
 Notify = Callable[[int], None]
 
 WITHIN = 4.0
-"""Pixels: a corner further from the truth than this is another one. The peak of D lies 2 to 3 pixels inside an L."""
+"""Pixels: a corner further from the truth than this is another one. The peak of D lies 2 to 3
+pixels inside an L.
+"""
 
 
 @dataclass
@@ -37,7 +41,8 @@ class Outcome:
     Attributes
     ----------
     found, accepted
-        Whether D has a maximum above T1 near the truth, and whether the texture filter lets it pass.
+        Whether D has a maximum above T1 near the truth, and whether the texture filter lets it
+        pass.
     errors
         By method: (dx, dy) to the truth in pixels, of those that were found.
     scenes
@@ -50,7 +55,9 @@ class Outcome:
     scenes: list[Scene] = field(default_factory=list)
 
     def add(self, scene: Scene, parameters: Parameters, settings: Settings) -> None:
-        """Detect the corner of a scene: that whose whole pixel is nearest to the truth, the same for all methods."""
+        """Detect the corner of a scene: that whose whole pixel is nearest to the truth, the same
+        for all methods.
+        """
         placements = place(scene.image, parameters, settings)
         corner = placements.nearest(scene.x, scene.y, WITHIN)
         self.found.append(corner is not None)
@@ -73,7 +80,9 @@ def figures(offsets: Values) -> Record:
 
 
 def figures_of_images(offsets: Sequence[Values]) -> Record:
-    """Median and 95th percentile of the distance, and bias, of (n, 2) errors for each image, with intervals."""
+    """Median and 95th percentile of the distance, and bias, of (n, 2) errors for each image, with
+    intervals.
+    """
     distances = [np.hypot(*each.T)[:, None] for each in offsets]
     found: Record = {}
     for name, values, statistic in (
@@ -159,9 +168,10 @@ def _elsewhere(positions: int) -> Iterator[Scene]:
 def table_5(profiles: dict[str, Parameters], *, quick: bool = False) -> Record:
     """``{profile: ...}``: the eight rows in the paper's 1-based pixels, and the mean errors.
 
-    ``rows`` by each method; ``methods``: mean of |dx|, of |dy| and of the distance over the eight, by each method;
-    ``rotation``: the same for the other reading of the lines' degrees; ``elsewhere``: for the same shapes at random
-    positions, because a method could be right at one position by chance.
+    ``rows`` by each method; ``methods``: mean of |dx|, of |dy| and of the distance over the eight,
+    by each method; ``rotation``: the same for the other reading of the lines' degrees;
+    ``elsewhere``: for the same shapes at random positions, because a method could be right at one
+    position by chance.
     """
     shapes: dict[str, Sequence[Scene]] = {
         "opening": paper_scenes(),

@@ -1,8 +1,9 @@
 """How T1 follows a target number of corners on video: made of photographs that scikit-image ships.
 
-The scene pans, zooms, darkens, cuts to another one, goes black and comes back, with noise of its own in every frame.
-Beside the law that is built (``golden.adaptation``) stands the usual alternative, which counts only what it reports
-and turns T1 up or down by a step that depends on how far off that is.
+The scene pans, zooms, darkens, cuts to another one, goes black and comes back, with noise of its
+own in every frame. Beside the law that is built (``golden.adaptation``) stands the usual
+alternative, which counts only what it reports and turns T1 up or down by a step that depends on how
+far off that is.
 """
 
 from __future__ import annotations
@@ -36,7 +37,9 @@ TARGETS = (100, 300)
 TOLERANCES = (1 / 8, 1 / 4)
 STEPS, PAPER = "steps", "histogram, the paper's filter"
 LAWS = ("histogram", PAPER, STEPS)
-"""What decides about T1. The paper's filter compares with a fraction of the frame before's largest D, which jumps."""
+"""What decides about T1. The paper's filter compares with a fraction of the frame before's largest
+D, which jumps.
+"""
 
 
 @dataclass(frozen=True)
@@ -94,7 +97,9 @@ def video() -> list[Image]:
 
 
 def stepped(t1: int, count: int, target: int, least: int) -> int:
-    """T1 after a frame of so many corners: times a power of two that grows with the error; none within an eighth."""
+    """T1 after a frame of so many corners: times a power of two that grows with the error; none
+    within an eighth.
+    """
     ratio = count / target
     for bound, step in ((4, 8), (2, 5), (1.5, 3), (9 / 8, 1)):
         if ratio > bound:
@@ -130,7 +135,9 @@ def _follow(law: str, frames: list[Image], target: int, parameters: Parameters) 
 
 
 def _summary(counts: list[int], t1: list[int], target: int, starts: list[int]) -> Record:
-    """Of frames that could have met it: neither black nor a scene's first, nor at the least T1 with fewer."""
+    """Of frames that could have met it: neither black nor a scene's first, nor at the least T1 with
+    fewer.
+    """
     black = {
         first + k
         for scene, first in zip(SCENES, starts, strict=True)

@@ -18,7 +18,9 @@ Notify = Callable[[int], None]
 
 
 def offsets(placements: Placements, reference: Values) -> tuple[dict[str, Values], list[bool], list[bool]]:
-    """Errors to a board's corners: by method (n, 2), and of every corner whether it was found, and accepted."""
+    """Errors to a board's corners: by method (n, 2), and of every corner whether it was found, and
+    accepted.
+    """
     rows = [placements.nearest(x, y, WITHIN) for x, y in reference]
     found = [row is not None for row in rows]
     accepted = [row is not None and bool(placements.accepted[row]) for row in rows]
@@ -54,8 +56,8 @@ def chessboards(
 ) -> Record:
     """Each profile on all boards in which the reference finds its corners.
 
-    The reference is the truth where it is known, that is of rendered boards, else OpenCV's board detector, which is
-    compared with the truth besides.
+    The reference is the truth where it is known, that is of rendered boards, else OpenCV's board
+    detector, which is compared with the truth besides.
     """
     kept: list[Board] = []
     references: list[Values] = []

@@ -1,4 +1,5 @@
-"""What the detector cannot do, shown: boards too fine for its kernel, and corners too soft for its gradient step.
+"""What the detector cannot do, shown: boards too fine for its kernel, and corners too soft for its
+gradient step.
 
 ``python -m evaluation.sections.limits`` draws the picture of docs/limits.md anew;
 tests/evaluation/sections/test_limits.py measures the
@@ -44,7 +45,9 @@ def board(square: int) -> Image:
 
 
 class Found(NamedTuple):
-    """On a board: how many corners there are, how many were found, and how far off the worst is, in pixels."""
+    """On a board: how many corners there are, how many were found, and how far off the worst is, in
+    pixels.
+    """
 
     there: int
     found: int
@@ -52,7 +55,9 @@ class Found(NamedTuple):
 
 
 def on_board(square: int, parameters: Parameters) -> Found:
-    """What is found with the usual settings; there are those between whose four pixels a peak can be."""
+    """What is found with the usual settings; there are those between whose four pixels a peak can
+    be.
+    """
     found = detect(board(square), parameters)
     edges = np.arange(square, BOARD_SIDE, square) - 0.5
     edges = edges[(edges > MARGIN) & (edges < BOARD_SIDE - 1 - MARGIN)]
@@ -61,7 +66,8 @@ def on_board(square: int, parameters: Parameters) -> Found:
 
 
 def saddle(x: float, y: float, blur: float, degrees: float) -> Image:
-    """Two crossing edges, 30 and 220 grey, turned, blurred by a Gaussian of so many pixels, (48, 48).
+    """Two crossing edges, 30 and 220 grey, turned, blurred by a Gaussian of so many pixels, (48,
+    48).
 
     Exact but for the average over a pixel's square, which is that of 4x4 samples.
     """
@@ -77,7 +83,9 @@ def saddle(x: float, y: float, blur: float, degrees: float) -> Image:
 
 
 def wander(blur: float, degrees: float, fit: Fit) -> float:
-    """Largest less smallest error in x, in pixels, of a saddle that moves over a pixel in sixteen steps."""
+    """Largest less smallest error in x, in pixels, of a saddle that moves over a pixel in sixteen
+    steps.
+    """
     middle, y = SADDLE_SIDE / 2, SADDLE_SIDE / 2 + 0.3
     errors = []
     for x in middle + np.arange(STEPS) / STEPS:

@@ -1,7 +1,8 @@
 """What the reference of the thresholds does when a few pixels are hot, and when the light flickers.
 
-The largest D of a frame is what its brightest mark makes it; the D that some number of corners exceed is not. And a
-reference is the frame before's, so where frames differ it is the wrong one, unless it is an average or a constant.
+The largest D of a frame is what its brightest mark makes it; the D that some number of corners
+exceed is not. And a reference is the frame before's, so where frames differ it is the wrong one,
+unless it is an average or a constant.
 """
 
 from __future__ import annotations

@@ -37,7 +37,9 @@ TOLERANCE = 1.5
 
 
 class Score(NamedTuple):
-    """One detector on one pair: corners that count in each view, those matched, and the matches' mean distance."""
+    """One detector on one pair: corners that count in each view, those matched, and the matches'
+    mean distance.
+    """
 
     first: int
     second: int
@@ -110,8 +112,8 @@ class Visible:
 def corners_of(seen: Visible, detectors: list[Detector], mode: Mode) -> dict[str, tuple[Points, Points]]:
     """By the detector's name, the corners of both views that count.
 
-    Where numbers are to be equal they are so in each view: N as the mode says, or what the detector that finds fewest
-    has, if that is less.
+    Where numbers are to be equal they are so in each view: N as the mode says, or what the detector
+    that finds fewest has, if that is less.
     """
     found = {each.name: seen(each, mode.thresholds, mode.equal) for each in detectors}
     if not mode.equal:
@@ -152,7 +154,9 @@ def by_scene(pairs: list[Pair], values: Sequence[tuple[float, ...]]) -> list[Val
 
 
 def summary(pairs: list[Pair], found: list[Score]) -> Record:
-    """Repeatability, localisation error and numbers, as means over pairs; intervals over photographs."""
+    """Repeatability, localisation error and numbers, as means over pairs; intervals over
+    photographs.
+    """
     fewer = [min(each.first, each.second) for each in found]
     return {
         "repeatability": estimate(by_scene(pairs, [(each.repeatability,) for each in found]), mean),
@@ -168,7 +172,9 @@ def gain(pairs: list[Pair], ours: list[Score], base: list[Score]) -> Record:
 
 
 def mode_figures(pairs: list[Pair], found: dict[str, list[Score]], *, views: bool = False) -> Record:
-    """One mode: each detector over all pairs and by class of scene, and what it gains over having no filter."""
+    """One mode: each detector over all pairs and by class of scene, and what it gains over having
+    no filter.
+    """
     results = figures_of_parts(pairs, found, parts_of(pairs), summary, gain)
     if views:
         for name, each in found.items():
@@ -183,7 +189,8 @@ def figures_of_parts(
     summary: Callable[[list[Pair], list[T]], Record],
     gain: Callable[[list[Pair], list[T], list[T]], Record],
 ) -> Record:
-    """Of each detector and each part of the pairs a summary, and the gain over no filter and over ranking by D.
+    """Of each detector and each part of the pairs a summary, and the gain over no filter and over
+    ranking by D.
 
     ``found`` has one score for each pair, of whatever kind ``summary`` and ``gain`` take.
     """

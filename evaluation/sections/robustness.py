@@ -1,4 +1,6 @@
-"""Robustness as the paper defines it: rho = corners that a correlation tracker finds again / corners given to it."""
+"""Robustness as the paper defines it: rho = corners that a correlation tracker finds again /
+corners given to it.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ VIDEO = "video"
 
 
 class Score(NamedTuple):
-    """One detector on one pair: corners given, corners tracked, and of these, where known, to the right place."""
+    """One detector on one pair: corners given, corners tracked, and of these, where known, to the
+    right place.
+    """
 
     given: int
     tracked: int
@@ -44,7 +48,9 @@ def farthest(pair: Pair) -> float:
 
 
 def trackable(pairs: list[Pair], reach: int = REACH) -> list[Pair]:
-    """The pairs of one size in which everything stays within the tracker's reach, as far as is known."""
+    """The pairs of one size in which everything stays within the tracker's reach, as far as is
+    known.
+    """
     return [p for p in pairs if p.first.shape == p.second.shape and farthest(p) <= reach]
 
 
@@ -61,7 +67,9 @@ def score(pair: Pair, points: Points, tracks: Tracks) -> Score:
 
 
 def corners_of(pair: Pair, detectors: list[Detector], mode: Mode, memory: Memory) -> dict[str, Points]:
-    """By the detector's name, the corners of the first view that count; of equal number if the mode says so."""
+    """By the detector's name, the corners of the first view that count; of equal number if the mode
+    says so.
+    """
 
     def ask(detector: Detector, ranked: bool) -> Points:
         return memory.corners(detector, pair.first, mode.thresholds, ranked)

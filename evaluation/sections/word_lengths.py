@@ -1,7 +1,9 @@
-"""What fewer bits would save and cost: of A, B and C after smoothing, of D, and of the mantissas of the offset.
+"""What fewer bits would save and cost: of A, B and C after smoothing, of D, and of the mantissas of
+the offset.
 
-Accuracy is that of the golden model's own functions with some of their results cut. Area is that of the blocks that
-hold these numbers, built for so many bits and mapped to Cyclone IV as ``cornerstream synth`` does it.
+Accuracy is that of the golden model's own functions with some of their results cut. Area is that of
+the blocks that hold these numbers, built for so many bits and mapped to Cyclone IV as
+``cornerstream synth`` does it.
 """
 
 from __future__ import annotations
@@ -41,7 +43,9 @@ Responses = Callable[[NDArray[np.uint8]], IntArray]
 
 KINDS: tuple[Kind, ...] = ("L", "saddle")
 EVERY = 7
-"""Of the wide set's scenes, one of so many: coprime to the number of noises and polarities, which alternate."""
+"""Of the wide set's scenes, one of so many: coprime to the number of noises and polarities, which
+alternate.
+"""
 TENSOR_BITS = (16, 14, 12, 10)
 RESPONSE_CUTS = (0, 1, 2, 4)
 MANTISSAS = (8, 10, 11, 12, 13, 14)
@@ -73,12 +77,12 @@ def word_lengths(parameters: Parameters, *, quick: bool = False, notify: Notify 
         Fewer points, photographs and scenes.
 
     Returns
-    -------
-    For ``"tensor"`` (A, B, C), ``"response"`` (D) and ``"mantissa"`` a list of points, each with ``bits``, whether
-    they are the ``default``, ``area`` of the blocks named in ``blocks`` (``le``, ``memory_bits``), and what accuracy
-    is left. Of the first two ``same``: corners that photographs have both with all bits and with these, out of those
-    that either has, with the default thresholds; and per kind the ``median`` distance to rendered corners in px. Of
-    mantissas ``error``: median, 95th and 99th percentile of the distance to the exact offset in px.
+    ------- For ``"tensor"`` (A, B, C), ``"response"`` (D) and ``"mantissa"`` a list of points, each
+    with ``bits``, whether they are the ``default``, ``area`` of the blocks named in ``blocks``
+    (``le``, ``memory_bits``), and what accuracy is left. Of the first two ``same``: corners that
+    photographs have both with all bits and with these, out of those that either has, with the
+    default thresholds; and per kind the ``median`` distance to rendered corners in px. Of mantissas
+    ``error``: median, 95th and 99th percentile of the distance to the exact offset in px.
 
     Raises
     ------

@@ -8,7 +8,8 @@ from dataclasses import asdict, dataclass, fields
 
 @dataclass(frozen=True)
 class Area:
-    """What a netlist takes of a device whose logic element is one lookup table of four inputs and one flip-flop.
+    """What a netlist takes of a device whose logic element is one lookup table of four inputs and
+    one flip-flop.
 
     Parameters
     ----------
@@ -17,7 +18,8 @@ class Area:
     ff
         Flip-flops outside of block RAM.
     packed_pairs
-        Flip-flops that share a logic element with the table that drives their data input; each table once.
+        Flip-flops that share a logic element with the table that drives their data input; each
+        table once.
     m9k
         Blocks of RAM.
     memory_bits
@@ -35,7 +37,9 @@ class Area:
 
     @property
     def le_lower(self) -> int:
-        """Every flip-flop shares an element with some table: what a device that is nearly full may come to."""
+        """Every flip-flop shares an element with some table: what a device that is nearly full may
+        come to.
+        """
         return max(self.lut4, self.ff)
 
     @property
@@ -45,7 +49,9 @@ class Area:
 
     @property
     def le_packed(self) -> int:
-        """The estimate: a flip-flop shares with its own table; a lone one is not packed with an unrelated table."""
+        """The estimate: a flip-flop shares with its own table; a lone one is not packed with an
+        unrelated table.
+        """
         return self.lut4 + self.ff - self.packed_pairs
 
     def __add__(self, other: Area) -> Area:

@@ -24,7 +24,8 @@ def gate_level_engine(
     notify: Callable[[str], None] | None = None,
     cache: str | Path | None = None,
 ) -> Engine:
-    """An engine that runs a detector as it was mapped to Cyclone IV: some 200,000 clocks per second.
+    """An engine that runs a detector as it was mapped to Cyclone IV: some 200,000 clocks per
+    second.
 
     Raises
     ------

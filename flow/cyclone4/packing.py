@@ -1,9 +1,9 @@
 """Logic cells of a mapped netlist that become one: what a carry chain does along with its addition.
 
-The map makes chains and tables one by one. A cell of a chain, however, computes any two functions of two data
-inputs and its carry in: its output and its carry out. The last one of a chain, whose carry out nobody reads,
-computes any function of three data inputs and its carry in: that is normal mode with the carry in as an input.
-So no cell of their own need
+The map makes chains and tables one by one. A cell of a chain, however, computes any two functions
+of two data inputs and its carry in: its output and its carry out. The last one of a chain, whose
+carry out nobody reads, computes any function of three data inputs and its carry in: that is normal
+mode with the carry in as an input. So no cell of their own need
 
 - tables that each of their readers can compute as well: an operand that is complemented or masked, the (d ^ s) of
   a conditional negation (d ^ s) + s;
@@ -12,8 +12,8 @@ So no cell of their own need
 - what puts a signal on a chain, where the first bit knows that signal, or has a data input to spare;
 - what takes the last carry of a comparison off the chain, while nobody reads the last difference.
 
-Each is a cell less for the same function, and nothing else about the netlist changes. It is done on Yosys's JSON,
-one module at a time.
+Each is a cell less for the same function, and nothing else about the netlist changes. It is done on
+Yosys's JSON, one module at a time.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ from functools import cached_property
 from flow.cyclone4.netlist import LUT, Bit, Json
 
 CHAIN_DATA, LAST_DATA, PLAIN_DATA = 2, 3, 4
-"""Data inputs of a cell whose carry out is read, of one that only has a carry in, and of one with neither."""
+"""Data inputs of a cell whose carry out is read, of one that only has a carry in, and of one with
+neither.
+"""
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,9 @@ class Function:
 
     @classmethod
     def of(cls, pins: Sequence[Bit], table: int) -> Function:
-        """From a table whose inputs may be constant ("x" counts as 0), the same net twice, or without effect."""
+        """From a table whose inputs may be constant ("x" counts as 0), the same net twice, or
+        without effect.
+        """
         nets = sorted({at for at in pins if isinstance(at, int)})
         fixed = sum(1 << k for k, at in enumerate(pins) if at == "1")
         masks = [sum(1 << k for k, at in enumerate(pins) if at == net) for net in nets]
@@ -203,7 +207,9 @@ class _Packing:
             self._replace(name, kept)
 
     def _off_the_chain(self, name: str) -> None:
-        """The cell before the last computes the last one's function; it had no other use than its carry."""
+        """The cell before the last computes the last one's function; it had no other use than its
+        carry.
+        """
         last = self._cells[name]
         before = self._drivers.get(last.cin)
         if last.sum is None or last.carry or before is None or not isinstance(last.cin, int):
@@ -232,7 +238,9 @@ class _Packing:
             self._replace(name, joined)
 
     def _before(self, name: str) -> None:
-        """A table goes into all cells that read it; if need be, together with another one before one of these."""
+        """A table goes into all cells that read it; if need be, together with another one before
+        one of these.
+        """
         if not self._is_table(name):
             return
         stopped = self._into_readers([name])

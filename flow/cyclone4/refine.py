@@ -1,11 +1,13 @@
-"""What the device can do and Yosys's passes do not: cells of a mapped netlist take over what lies beside them.
+"""What the device can do and Yosys's passes do not: cells of a mapped netlist take over what lies
+beside them.
 
 Each rule takes away cells and changes no behaviour:
 
 - the output registers of block RAM take the flip-flops behind it;
 - tables and cells of carry chains become one, see :mod:`flow.cyclone4.packing`;
 - a synchronous clear or load takes the multiplexer before a flip-flop, so that it shares a logic element with
-  what lies before that. Both are signals of a whole LAB, so there must be several flip-flops of a kind.
+  what lies before that. Both are signals of a whole LAB, so there must be several flip-flops of a
+  kind.
 """
 
 from __future__ import annotations
@@ -162,7 +164,9 @@ def _candidates(module: Module, register: Cell) -> list[tuple[_Control, _Candida
 
 
 def _split(table: Cell, data: int) -> tuple[tuple[int, ...], tuple[int, ...], bool, Bit] | None:
-    """A table as a multiplexer: the nets of its condition, the condition's values, and what it takes then."""
+    """A table as a multiplexer: the nets of its condition, the condition's values, and what it
+    takes then.
+    """
     rest = sorted(table.nets - {data})
     rows = [
         (table.output({**values, data: 0}), table.output({**values, data: 1})) for values in assignments(rest)
@@ -185,7 +189,8 @@ def _split(table: Cell, data: int) -> tuple[tuple[int, ...], tuple[int, ...], bo
                 other = net
     if other is None:
         return None
-    # where the condition does not hold nothing is known of the net that is loaded, so it may depend on it
+    # where the condition does not hold nothing is known of the net that is loaded, so it may depend
+    # on it
     condition = [int(row[0] == row[1]) for row in rows]
     needed = [
         net

@@ -116,7 +116,9 @@ class Synthesis:
 
     @property
     def blocks(self) -> dict[str, Area]:
-        """Area of each block of the top module by name, all inside included; wiring between them is ``(top)``."""
+        """Area of each block of the top module by name, all inside included; wiring between them is
+        ``(top)``.
+        """
         areas = {block.name: block.area for block in self.tree.blocks}
         return areas | {"(top)": self.tree.own} if self.tree.own != Area() else areas
 
@@ -166,7 +168,9 @@ def map_component(component: wiring.Component, top: str) -> tuple[Block, str]:
 
 
 def _best(netlists: list[Json]) -> Json:
-    """Of netlists that differ in how their modules are mapped, each module where it is smallest, refined."""
+    """Of netlists that differ in how their modules are mapped, each module where it is smallest,
+    refined.
+    """
     for netlist in netlists:
         refine(netlist)
     modules = {

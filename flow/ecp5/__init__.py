@@ -1,9 +1,9 @@
 """Mapping to ECP5 as a stand-in: its block RAM used as Cyclone IV's M9K would be, for timing only.
 
-Yosys alone would build long rows out of wide, shallow blocks with multiplexers behind them, and put more of these
-where a block must give the old value of what is being written. Cyclone IV needs neither. Delay lines are in block
-RAM, as there, however short they are. And tables are mapped by abc, because abc9, Yosys's own choice, stops with an
-internal error on some of these designs.
+Yosys alone would build long rows out of wide, shallow blocks with multiplexers behind them, and put
+more of these where a block must give the old value of what is being written. Cyclone IV needs
+neither. Delay lines are in block RAM, as there, however short they are. And tables are mapped by
+abc, because abc9, Yosys's own choice, stops with an internal error on some of these designs.
 """
 
 from __future__ import annotations
@@ -31,9 +31,11 @@ _COLLISION = re.compile(r"(parameter \\COLLISION_X_MASK \d+')([01]+)")
 
 
 def relaxed(design: str) -> str:
-    """RTLIL in which memories start with anything, and a read of what is being written may give anything.
+    """RTLIL in which memories start with anything, and a read of what is being written may give
+    anything.
 
-    For timing only. Line buffers never read what is being written, and queues only when they are empty and the value
-    does not count; delay lines do, and an M9K gives them the old value by itself.
+    For timing only. Line buffers never read what is being written, and queues only when they are
+    empty and the value does not count; delay lines do, and an M9K gives them the old value by
+    itself.
     """
     return _COLLISION.sub(lambda match: match[1] + "1" * len(match[2]), without_zeros(design))

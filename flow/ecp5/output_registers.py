@@ -1,6 +1,8 @@
-"""Output registers of ECP5's block RAM, which Yosys leaves unused: flip-flops behind it move into it.
+"""Output registers of ECP5's block RAM, which Yosys leaves unused: flip-flops behind it move into
+it.
 
-Quartus does so with the M9K. In the slowest grade a block takes 5.8 ns to its output, and 1 ns from this register.
+Quartus does so with the M9K. In the slowest grade a block takes 5.8 ns to its output, and 1 ns from
+this register.
 """
 
 from __future__ import annotations
@@ -13,10 +15,11 @@ WIDTH = 18
 
 
 def use_output_registers(module: Module) -> int:
-    """Move flip-flops that take what a port reads into it, all of a port or none; returns how many have moved.
+    """Move flip-flops that take what a port reads into it, all of a port or none; returns how many
+    have moved.
 
-    Each output in use must go to one flip-flop and nowhere else; these must have the port's clock, one clock enable
-    for all, and no reset, for which the port has no place.
+    Each output in use must go to one flip-flop and nowhere else; these must have the port's clock,
+    one clock enable for all, and no reset, for which the port has no place.
     """
     return sum(_move(module, ram, port) for ram in module.of_kind(BLOCK_RAM) for port in PORTS)
 

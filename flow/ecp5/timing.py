@@ -1,7 +1,7 @@
 """Timing: place and route for Lattice's ECP5 with nextpnr, which stands in for Quartus.
 
-No free tool knows the delays of Cyclone IV. ECP5 has lookup tables of four inputs and carry chains too, so what is
-slow there is likely to be slow on Cyclone IV; the frequencies are those of ECP5.
+No free tool knows the delays of Cyclone IV. ECP5 has lookup tables of four inputs and carry chains
+too, so what is slow there is likely to be slow on Cyclone IV; the frequencies are those of ECP5.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ SPEEDS = (6, 7, 8)
 AIM_MHZ = 150
 """What placement and routing strive for."""
 
-# how Yosys names what it made of a signal: the signal, then the cells that were put after one another
+# how Yosys names what it made of a signal: the signal, then the cells that were put after one
+# another
 _MADE = re.compile(r"_(?:LUT4|TRELLIS|PFUMX|L6MUX21|CCU2C|DP16KD|\$lut|\$abc).*$")
 # a name that no one gave: Yosys's and nextpnr's own, and Amaranth's for parts of expressions
 _DERIVED = re.compile(r"\$.*$")
@@ -46,7 +47,8 @@ class Step:
     name
         The signal, as far as its name survived: that of the wire, or the one the cell was made of.
     kind
-        ``"clk-to-q"``, ``"logic"``, with the routing to what has the same name, ``"routing"`` or ``"setup"``.
+        ``"clk-to-q"``, ``"logic"``, with the routing to what has the same name, ``"routing"`` or
+        ``"setup"``.
     delay_ns
         Of this part alone.
     """

@@ -1,4 +1,5 @@
-"""Registers of the core by name, over anything that reads and writes words; needs nothing but Python.
+"""Registers of the core by name, over anything that reads and writes words; needs nothing but
+Python.
 
     registers = Cornerstream(mmio.read, mmio.write)
     registers.set(width=640, height=480, enable=1)
@@ -12,7 +13,8 @@ Where reading and writing take an ``await``, take the map by itself::
     await bus.write_dword(MAP.address("SIZE"), MAP.encode("SIZE", width=640, height=480))
     if MAP.decode("STATUS", word)["size_refused"]: ...
 
-Registers have names in capitals, their fields in small letters; no field has the name of another register's.
+Registers have names in capitals, their fields in small letters; no field has the name of another
+register's.
 """
 
 from __future__ import annotations
@@ -23,7 +25,9 @@ from typing import NamedTuple
 
 
 class Field(NamedTuple):
-    """Some bits of a register, from ``low`` up. A command acts when 1 is written to it, and 0 does nothing."""
+    """Some bits of a register, from ``low`` up. A command acts when 1 is written to it, and 0 does
+    nothing.
+    """
 
     low: int
     bits: int
@@ -35,7 +39,9 @@ class Field(NamedTuple):
 
 
 class Register(NamedTuple):
-    """A word at a byte address: read only, read and write, or write one to clear: ``ro``, ``rw``, ``w1c``."""
+    """A word at a byte address: read only, read and write, or write one to clear: ``ro``, ``rw``,
+    ``w1c``.
+    """
 
     address: int
     access: str
@@ -53,7 +59,9 @@ def _whole(value: object) -> int:
 
 
 class Map:
-    """What there is, and how fields lie in words; every mistake is a ``ValueError`` that says what is allowed."""
+    """What there is, and how fields lie in words; every mistake is a ``ValueError`` that says what
+    is allowed.
+    """
 
     def __init__(self, registers: Mapping[str, Register]) -> None:
         self.registers = dict(registers)
@@ -101,8 +109,8 @@ class Registers:
     registers
         What there is.
     read, write
-        ``read(address)`` returns the word at a byte address, counted from the core's first; ``write(address, word)``
-        writes one.
+        ``read(address)`` returns the word at a byte address, counted from the core's first;
+        ``write(address, word)`` writes one.
     """
 
     def __init__(
@@ -133,9 +141,11 @@ class Registers:
         return self.fields(self.map.home(field))[field]
 
     def set(self, **values: int) -> None:
-        """Writes fields, of as many registers as need be; the other fields of these stay as they are.
+        """Writes fields, of as many registers as need be; the other fields of these stay as they
+        are.
 
-        Each register is written once, in the order in which its first field is given; none is if a value is wrong.
+        Each register is written once, in the order in which its first field is given; none is if a
+        value is wrong.
         """
         words: dict[str, dict[str, int]] = {}
         for field, value in values.items():
@@ -162,7 +172,9 @@ class Registers:
             self.write(name, self.map.encode(name, **values))
 
     def _others(self, name: str, given: Mapping[str, int]) -> int:
-        """What a register holds apart from these fields; it is not read where there is nothing else in it."""
+        """What a register holds apart from these fields; it is not read where there is nothing else
+        in it.
+        """
         kept = [
             field
             for key, field in self.map.register(name).fields.items()

@@ -1,7 +1,8 @@
 """The ports of a core as interfaces of Intel's Platform Designer.
 
-Kinds, roles and properties are those of the Avalon interface specifications and of the Component Interface Tcl
-Reference. Which ports there are, and how wide they are, is read from the Verilog itself.
+Kinds, roles and properties are those of the Avalon interface specifications and of the Component
+Interface Tcl Reference. Which ports there are, and how wide they are, is read from the Verilog
+itself.
 """
 
 from __future__ import annotations
@@ -61,8 +62,8 @@ _INTERRUPT = HwInterface(
     {"irq": "irq"},
     {"associatedAddressablePoint": "registers", **_SYNCHRONOUS},
 )
-# One symbol is a whole pixel or record: packets of several symbols to the beat would need a signal that
-# tells how many of the last beat's are empty.
+# One symbol is a whole pixel or record: packets of several symbols to the beat would need a signal
+# that tells how many of the last beat's are empty.
 _PACKETS: dict[str, str | int] = {**_SYNCHRONOUS, "readyLatency": 0, "maxChannel": 0}
 # A read per clock, answered two clocks later, and nothing waits but in reset.
 _MEMORY_MAPPED: dict[str, str | int] = {
@@ -99,7 +100,8 @@ _INTERFACES: dict[Interface, tuple[HwInterface, ...]] = {
 
 
 def hw_interfaces(interface: Interface, ports: Sequence[Port]) -> list[HwInterface]:
-    """The interfaces of a core with such edges, each with its ports; those without any are left out.
+    """The interfaces of a core with such edges, each with its ports; those without any are left
+    out.
 
     ``ValueError`` if a port belongs to none.
     """

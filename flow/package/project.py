@@ -1,4 +1,6 @@
-"""The folder that carries the core into other people's designs: Verilog, descriptions, drivers, an example."""
+"""The folder that carries the core into other people's designs: Verilog, descriptions, drivers, an
+example.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +47,8 @@ _RENDERED = {
 
 
 def package_files(parameters: Build, interface: PackageInterface, name: str = MODULE) -> dict[str, str]:
-    """All files of the package, by path relative to its folder; the core, its files and macros are called ``name``.
+    """All files of the package, by path relative to its folder; the core, its files and macros are
+    called ``name``.
 
     Raises
     ------

@@ -1,10 +1,10 @@
 """Which memories the Verilog has, and whether Quartus can make block RAM of them.
 
-Intel's guidelines (Quartus Prime Standard Edition User Guide: Design Recommendations, "Recommended HDL Coding
-Styles", 2.4) give templates. A written memory is expected in the form of 2.4.1.5, *Single-Clock, Simple Dual-Port
-Synchronous RAM with Old Data Read-During-Write Behavior*; a table in that of 2.4.2, *ROM functions*, with its
-contents in an initial block as in 2.4.1.11, read once or twice. All may have an enable on the read, which becomes the
-block's.
+Intel's guidelines (Quartus Prime Standard Edition User Guide: Design Recommendations, "Recommended
+HDL Coding Styles", 2.4) give templates. A written memory is expected in the form of 2.4.1.5,
+*Single-Clock, Simple Dual-Port Synchronous RAM with Old Data Read-During-Write Behavior*; a table
+in that of 2.4.2, *ROM functions*, with its contents in an initial block as in 2.4.1.11, read once
+or twice. All may have an enable on the read, which becomes the block's.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from typing import Literal
 Kind = Literal["simple dual-port RAM", "ROM", "dual-port ROM", "logic"]
 
 _DECLARATION = re.compile(r"^  reg (?:\[(\d+):0\] )?(\w+) \[(\d+):0\];\n", re.MULTILINE)
-# an always block on a clock, and what such a block is to be made of: assignments, each with or without an enable
+# an always block on a clock, and what such a block is to be made of: assignments, each with or
+# without an enable
 _BLOCK = re.compile(r"^  always @\(posedge (\w+)\)(?: begin)?\n((?:    .*\n)+)", re.MULTILINE)
 _ASSIGNMENT = re.compile(r"\s*(?:if \(\w+(?:\[\d+\])?\)( begin)?\s+)?(\S+) <= ([^;]+);(?(1)\s+end)\s*")
 # the same wish in the words of other tools
@@ -35,7 +36,8 @@ class Memory:
     width, depth
         Bits of a word, and words.
     kind
-        ``"logic"`` where it follows no template, and Quartus would make it of flip-flops and multiplexers.
+        ``"logic"`` where it follows no template, and Quartus would make it of flip-flops and
+        multiplexers.
     same_address
         It is read where it is written, as a delay line: the old data are needed.
     """
@@ -55,9 +57,9 @@ class Memory:
     def attribute(self) -> str:
         """The line that tells Quartus about it; empty where it follows no template.
 
-        ``M9K`` keeps Quartus from making small ones of logic. ``no_rw_check`` says that the value read from an
-        address in the very clock in which it is written is never used, so that the memory block may deliver
-        anything there; a test replaces all these values by noise.
+        ``M9K`` keeps Quartus from making small ones of logic. ``no_rw_check`` says that the value
+        read from an address in the very clock in which it is written is never used, so that the
+        memory block may deliver anything there; a test replaces all these values by noise.
         """
         if self.kind == "logic":
             return ""
@@ -108,7 +110,9 @@ def _memory(module: str, declaration: re.Match[str], body: str) -> Memory:
 
 
 def _assignments(body: str) -> Iterator[tuple[str, str, str]]:
-    """Clock, target and value of each assignment in always blocks that hold nothing but assignments with enables."""
+    """Clock, target and value of each assignment in always blocks that hold nothing but assignments
+    with enables.
+    """
     for clock, inside in _BLOCK.findall(body):
         found = []
         place = 0

@@ -1,4 +1,6 @@
-"""The folder that an engineer opens with Quartus: Verilog, project, constraints, and one script that compiles it."""
+"""The folder that an engineer opens with Quartus: Verilog, project, constraints, and one script
+that compiles it.
+"""
 
 from __future__ import annotations
 
@@ -70,7 +72,8 @@ def project_files(parameters: Build, *, clock_mhz: float = 100.0, name: str = MO
     Raises
     ------
     ValueError
-        The clock is no positive number, the parameters are not to be built, or the core cannot be called so.
+        The clock is no positive number, the parameters are not to be built, or the core cannot be
+        called so.
     flow.verilog.VerilogError
         Yosys refused the design.
     """

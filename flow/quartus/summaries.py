@@ -1,8 +1,9 @@
-"""What a compilation with Quartus leaves behind: ``*.fit.summary``, ``*.sta.summary``, and ``*.fit.rpt`` for M9Ks.
+"""What a compilation with Quartus leaves behind: ``*.fit.summary``, ``*.sta.summary``, and
+``*.fit.rpt`` for M9Ks.
 
-All are plain text. The Fitter's has one line per figure, ``name : used / available ( percent )``, the Timing
-Analyzer's three per clock, check and operating condition: type, slack in ns, total negative slack. Blocks of RAM are
-counted in the Fitter's long report only, which may be missing.
+All are plain text. The Fitter's has one line per figure, ``name : used / available ( percent )``,
+the Timing Analyzer's three per clock, check and operating condition: type, slack in ns, total
+negative slack. Blocks of RAM are counted in the Fitter's long report only, which may be missing.
 """
 
 from __future__ import annotations
@@ -48,7 +49,8 @@ class QuartusReport:
     m9k
         Blocks of RAM; None without the Fitter's long report.
     setup_slack, hold_slack
-        The smallest of all clocks and operating conditions, in ns; None where the analyzer gives none.
+        The smallest of all clocks and operating conditions, in ns; None where the analyzer gives
+        none.
     period
         The clock's, from the project's constraints, in ns; None if it is not found.
     missed
@@ -92,7 +94,8 @@ class QuartusReport:
     def fmax_mhz(self) -> float | None:
         """The clock at which the setup slack would be zero; None without slack or period.
 
-        With one clock, whose edges alone launch and capture, that is what the Timing Analyzer reports.
+        With one clock, whose edges alone launch and capture, that is what the Timing Analyzer
+        reports.
         """
         if self.setup_slack is None or self.period is None or self.setup_slack >= self.period:
             return None
@@ -110,12 +113,14 @@ class _Slack(NamedTuple):
 
 
 def read_report(folder: Path) -> QuartusReport:
-    """The reports in a project's folder, or in its ``output_files``; there may be none of the Timing Analyzer.
+    """The reports in a project's folder, or in its ``output_files``; there may be none of the
+    Timing Analyzer.
 
     Raises
     ------
     ReportError
-        The Fitter's is missing, there are several, or it is no such report of a device with logic elements.
+        The Fitter's is missing, there are several, or it is no such report of a device with logic
+        elements.
     """
     fit_path = _find(folder, "fit")
     fit = _read(fit_path)

@@ -1,6 +1,8 @@
 # amaranth: UnusedElaboratable=no
 # the parts are made at once, because ports and register map are theirs, and elaborated perhaps never
-"""The edges of the core: what stands between the detector and buses that other people's cores speak."""
+"""The edges of the core: what stands between the detector and buses that other people's cores
+speak.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ from hdl.edges.avalon import AvalonCore
 from hdl.edges.axi import AxiCore
 
 Interface = Literal["axi", "avalon", "stream"]
-"""AXI4-Stream and AXI4-Lite; Avalon-ST and Avalon-MM; or the bare detector, which takes complete frames only."""
+"""AXI4-Stream and AXI4-Lite; Avalon-ST and Avalon-MM; or the bare detector, which takes complete
+frames only.
+"""
 
 
 def check_core(parameters: Build, interface: Interface) -> None:

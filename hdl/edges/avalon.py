@@ -1,6 +1,8 @@
 # amaranth: UnusedElaboratable=no
 # the parts are made at once, because ports and register map are theirs, and elaborated perhaps never
-"""The core with Avalon edges, for Intel's Platform Designer: Avalon-ST Video in, Avalon-ST records out, Avalon-MM."""
+"""The core with Avalon edges, for Intel's Platform Designer: Avalon-ST Video in, Avalon-ST records
+out, Avalon-MM.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +18,19 @@ from hdl.edges.core import Core
 from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS
 
 VIDEO_PACKET = 0
-"""Low four bits of the first beat of a packet that holds a frame's pixels; all other packets are passed over."""
+"""Low four bits of the first beat of a packet that holds a frame's pixels; all other packets are
+passed over.
+"""
 PACKET_TYPE_BITS = 4
 
 
 class AvalonCore(wiring.Component):
-    """The core with Avalon edges; ports by the prefixes that Platform Designer knows. All readiness is of latency 0.
+    """The core with Avalon edges; ports by the prefixes that Platform Designer knows. All readiness
+    is of latency 0.
 
-    Avalon-ST Video has no ends of line: lines are told apart by counting. A frame is cut where the next one begins
-    too early. Frame sizes come from the registers; control packets are passed over, as are users' packets.
+    Avalon-ST Video has no ends of line: lines are told apart by counting. A frame is cut where the
+    next one begins too early. Frame sizes come from the registers; control packets are passed over,
+    as are users' packets.
 
     Members
     -------
@@ -41,7 +47,8 @@ class AvalonCore(wiring.Component):
     Raises
     ------
     ValueError
-        For ``video_out``: the packet of a frame that is cut would lack its end, which Avalon-ST does not allow.
+        For ``video_out``: the packet of a frame that is cut would lack its end, which Avalon-ST
+        does not allow.
     """
 
     @staticmethod

@@ -1,6 +1,8 @@
 # amaranth: UnusedElaboratable=no
 # the parts are made at once, because ports and register map are theirs, and elaborated perhaps never
-"""The core with AXI edges: AXI4-Stream video in (AMD UG934), AXI4-Stream records out, AXI4-Lite registers."""
+"""The core with AXI edges: AXI4-Stream video in (AMD UG934), AXI4-Stream records out, AXI4-Lite
+registers.
+"""
 
 from __future__ import annotations
 
@@ -48,9 +50,9 @@ def byte_lanes(bits: int) -> int:
 class AxiLite(wiring.Component):
     """AXI4-Lite subordinate before a register bank. All outputs are registers.
 
-    One write and one read at a time, independent of each other; address and data of a write may come in any order.
-    The answer is SLVERR where the bank says so, and OKAY else. Protection bits are ignored. In reset nothing is
-    taken: what is offered then waits, and is answered afterwards.
+    One write and one read at a time, independent of each other; address and data of a write may
+    come in any order. The answer is SLVERR where the bank says so, and OKAY else. Protection bits
+    are ignored. In reset nothing is taken: what is offered then waits, and is answered afterwards.
 
     Members
     -------
@@ -103,12 +105,13 @@ class AxiCore(wiring.Component):
     Members
     -------
     s_axis_*
-        Video: a pixel in the low bits of TDATA, TUSER[0] with a frame's first, TLAST with a line's last.
+        Video: a pixel in the low bits of TDATA, TUSER[0] with a frame's first, TLAST with a line's
+        last.
     m_axis_*
         Records, TLAST with a frame's last, its end-of-frame record.
     m_axis_video_*
-        With ``video_out`` only: the pixels, TUSER[0] with a frame's first, TUSER[1] where a corner is, TLAST with a
-        line's last.
+        With ``video_out`` only: the pixels, TUSER[0] with a frame's first, TUSER[1] where a corner
+        is, TLAST with a line's last.
     s_axil_*
         Registers, see ``hdl.edges.register_map``.
     irq

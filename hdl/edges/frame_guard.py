@@ -1,4 +1,6 @@
-"""Frame guard: makes whole frames of whatever video comes in (``golden.video``), and says where it was malformed."""
+"""Frame guard: makes whole frames of whatever video comes in (``golden.video``), and says where it
+was malformed.
+"""
 
 from __future__ import annotations
 
@@ -34,10 +36,12 @@ GUARD_EVENTS = (
 
 
 class FrameGuard(wiring.Component):
-    """Lets pass exactly width · height pixels from each start of frame on, or says that a frame is cut.
+    """Lets pass exactly width · height pixels from each start of frame on, or says that a frame is
+    cut.
 
-    A frame that does not go on as it must raises ``cut``; nothing is taken until ``resume`` answers. All that is no
-    part of a frame is taken and dropped, so that a source is never held up by it.
+    A frame that does not go on as it must raises ``cut``; nothing is taken until ``resume``
+    answers. All that is no part of a frame is taken and dropped, so that a source is never held up
+    by it.
 
     Members
     -------
@@ -48,7 +52,8 @@ class FrameGuard(wiring.Component):
     width, height
         Size of the next frame, 15x15 up to the built maximum; kept from its first pixel on.
     frame_width, frame_height
-        Size of the frame under way, or of the last one: stays until the next one's first pixel is taken.
+        Size of the frame under way, or of the last one: stays until the next one's first pixel is
+        taken.
     enable
         Let frames start.
     ignore_eol
@@ -169,9 +174,11 @@ class FrameGuard(wiring.Component):
         last_row: Signal,
         ignore_eol: Signal,
     ) -> Signal:
-        """Place of the next pixel: in its frame, in what is too much of a line, or in what lies between frames.
+        """Place of the next pixel: in its frame, in what is too much of a line, or in what lies
+        between frames.
 
-        All are counted alike, so that a line or a frame too much can be told. Returns: is it the last of a row?
+        All are counted alike, so that a line or a frame too much can be told. Returns: is it the
+        last of a row?
         """
         p = self._parameters
         x, y = Signal(range(p.max_width)), Signal(range(p.max_height))

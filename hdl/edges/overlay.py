@@ -21,18 +21,21 @@ _CLOCKS = 128
 
 
 def overlay_layout(parameters: Build) -> data.StructLayout:
-    """A pixel, whether it is an accepted corner (as a whole pixel), and its place in frame and line."""
+    """A pixel, whether it is an accepted corner (as a whole pixel), and its place in frame and
+    line.
+    """
     return data.StructLayout({"pixel": unsigned(parameters.pixel_bits), "corner": 1, "sof": 1, "eol": 1})
 
 
 class Overlay(wiring.Component):
     """Holds pixels back in block RAM until the detector's marks are there.
 
-    Marks exist where a corner can be; the outermost pixels go by without. A pixel is kept with one tag, which on a
-    row's first pixel means that it is the frame's first, and elsewhere that it is the row's last.
+    Marks exist where a corner can be; the outermost pixels go by without. A pixel is kept with one
+    tag, which on a row's first pixel means that it is the frame's first, and elsewhere that it is
+    the row's last.
 
-    It is deep enough that pixels are held up only where marks or the output are, and never all at once: what it
-    holds when it is full is more than the detector needs to mark the first of them.
+    It is deep enough that pixels are held up only where marks or the output are, and never all at
+    once: what it holds when it is full is more than the detector needs to mark the first of them.
 
     Members
     -------
@@ -83,7 +86,8 @@ class Overlay(wiring.Component):
             queue.i.payload.tag.eq(self.i.payload.sof | self.i.payload.eol),
         ]
 
-        # columns before the first that can be marked, rows likewise; then whether the last marked has gone by
+        # columns before the first that can be marked, rows likewise; then whether the last marked
+        # has gone by
         column, row = Signal(range(MARGIN + 1)), Signal(range(MARGIN + 1))
         right, below = Signal(), Signal()
         marked, free, step, eol = Signal(), Signal(), Signal(), Signal()

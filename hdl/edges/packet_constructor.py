@@ -32,10 +32,11 @@ def results_layout() -> data.StructLayout:
 
 
 class PacketConstructor(wiring.Component):
-    """Passes a frame's records on, drops those that are too many, and closes each frame with one last beat.
+    """Passes a frame's records on, drops those that are too many, and closes each frame with one
+    last beat.
 
-    The detector counts records and frames too, but forgets both when it is restarted; here nothing is forgotten, so
-    every packet says how many records it has, and frame numbers go on.
+    The detector counts records and frames too, but forgets both when it is restarted; here nothing
+    is forgotten, so every packet says how many records it has, and frame numbers go on.
 
     Parameters
     ----------
@@ -53,18 +54,21 @@ class PacketConstructor(wiring.Component):
     max_records
         Records that a packet may have before its last.
     found
-        With ``budget`` only: corners of the frame that ends, not only those that the detector reported.
+        With ``budget`` only: corners of the frame that ends, not only those that the detector
+        reported.
     o
         Stream of ``record_layout()``, all of it registers.
     done
         A complete frame's end is taken from the detector.
     results
-        ``results_layout()``: number of the next frame; corners of the last complete one, those of them that were
-        dropped, its largest response. They change with ``done`` and ``closed``, before the end has left.
+        ``results_layout()``: number of the next frame; corners of the last complete one, those of
+        them that were dropped, its largest response. They change with ``done`` and ``closed``,
+        before the end has left.
     any_results
         There has been a complete frame.
     events
-        ``events_layout(*PACKET_EVENTS)``. A frame is done, or cut, when its last beat is taken at the output.
+        ``events_layout(*PACKET_EVENTS)``. A frame is done, or cut, when its last beat is taken at
+        the output.
     """
 
     latency = 1

@@ -1,4 +1,6 @@
-"""Register bank: the hardware of the register map, behind a bus so plain that any other can be put before it."""
+"""Register bank: the hardware of the register map, behind a bus so plain that any other can be put
+before it.
+"""
 
 from __future__ import annotations
 
@@ -30,11 +32,13 @@ OTHER_EVENTS = tuple(event for event in Event if event not in OWN_EVENTS)
 
 
 def register_bus() -> wiring.Signature:
-    """As the bank's user sees it: writes and reads of one clock each, in any clock, both at once if need be.
+    """As the bank's user sees it: writes and reads of one clock each, in any clock, both at once if
+    need be.
 
-    ``write`` and ``read`` say that there is one; addresses are those of words. Each byte of ``write_data`` counts if
-    its bit in ``write_mask`` is set. Read data and errors (there is no such register, or it is read only) are
-    there in the same clock, whether or not ``read`` or ``write`` is high.
+    ``write`` and ``read`` say that there is one; addresses are those of words. Each byte of
+    ``write_data`` counts if its bit in ``write_mask`` is set. Read data and errors (there is no
+    such register, or it is read only) are there in the same clock, whether or not ``read`` or
+    ``write`` is high.
     """
     address = ADDRESS_BITS - 2
     return wiring.Signature(
@@ -55,7 +59,8 @@ def register_bus() -> wiring.Signature:
 class RegisterBank(wiring.Component):
     """Registers that software writes, results that it reads, events that stay until it clears them.
 
-    An event in the clock in which its bit is cleared is kept. The interrupt comes out of a register.
+    An event in the clock in which its bit is cleared is kept. The interrupt comes out of a
+    register.
 
     Members
     -------

@@ -1,4 +1,6 @@
-"""The register map, in one place: the hardware, the documentation and the drivers are all made from it."""
+"""The register map, in one place: the hardware, the documentation and the drivers are all made from
+it.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +52,9 @@ MEANINGS = {
 
 @dataclass(frozen=True)
 class Field:
-    """Some bits of a register: ``bits`` of them from bit ``low`` up, which are ``reset`` after reset."""
+    """Some bits of a register: ``bits`` of them from bit ``low`` up, which are ``reset`` after
+    reset.
+    """
 
     name: str
     low: int

@@ -1,6 +1,8 @@
 # amaranth: UnusedElaboratable=no
 # the parts are made at once, because the latency is theirs, and elaborated perhaps never
-"""The detector for video as it comes: guarded, so that nothing that comes in can hang or confuse it."""
+"""The detector for video as it comes: guarded, so that nothing that comes in can hang or confuse
+it.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ CLOCK_BITS = 32
 
 
 def control_layout(parameters: Build) -> data.StructLayout:
-    """What can be set: ``golden.video.VideoSettings`` in the hardware's formats, and ``reset``, held until done."""
+    """What can be set: ``golden.video.VideoSettings`` in the hardware's formats, and ``reset``,
+    held until done.
+    """
     return data.StructLayout(
         {
             "enable": 1,
@@ -43,7 +47,9 @@ def control_layout(parameters: Build) -> data.StructLayout:
 
 
 def initial_control(parameters: Build) -> dict[str, Any]:
-    """After reset: the largest frame, usual thresholds, enabled only where it is built to start by itself."""
+    """After reset: the largest frame, usual thresholds, enabled only where it is built to start by
+    itself.
+    """
     return {
         "enable": int(parameters.autostart),
         "width": parameters.max_width,
@@ -54,15 +60,17 @@ def initial_control(parameters: Build) -> dict[str, Any]:
 
 
 class VideoDetector(wiring.Component):
-    """Packets of corners out of any stream of marked pixels; see ``golden.video`` for what becomes of which.
+    """Packets of corners out of any stream of marked pixels; see ``golden.video`` for what becomes
+    of which.
 
         video ─ skid ─ frame guard ─┬─ detector ─┬─ packet constructor ─ records
                                     └─ overlay ──┘       (restart)
                                           └─ pixels, marked
 
-    The detector gets whole frames only. Where one is cut, it is restarted as soon as the frames before have left it;
-    until then, a few hundred clocks at most unless the output is held up, no video is taken. What a frame passes on
-    to the next, its largest response and what T1 is adapted to, is kept here.
+    The detector gets whole frames only. Where one is cut, it is restarted as soon as the frames
+    before have left it; until then, a few hundred clocks at most unless the output is held up, no
+    video is taken. What a frame passes on to the next, its largest response and what T1 is adapted
+    to, is kept here.
 
     Parameters
     ----------
@@ -127,11 +135,15 @@ class VideoDetector(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Clocks from a frame's last pixel to its end-of-frame record, ``lean``; see ``Detector.latency``."""
+        """Clocks from a frame's last pixel to its end-of-frame record, ``lean``; see
+        ``Detector.latency``.
+        """
         return self.edge_latency + self._detector.latency
 
     def frame_latency(self, width: int) -> int:
-        """Clocks from a frame's last pixel to its end-of-frame record, unstalled, for either buffering."""
+        """Clocks from a frame's last pixel to its end-of-frame record, unstalled, for either
+        buffering.
+        """
         return self.edge_latency + self._detector.frame_latency(width)
 
     def elaborate(self, platform: Any) -> Module:
@@ -200,7 +212,9 @@ class VideoDetector(wiring.Component):
             ]
 
     def _restart(self, m: Module, restart: Signal, stopped: Signal) -> None:
-        """What follows a cut, or what software wants: the detector is restarted, then the packet closed."""
+        """What follows a cut, or what software wants: the detector is restarted, then the packet
+        closed.
+        """
         guard, packets = self._guard, self._packets
         closing, clearing, ask, drained, opened = (
             Signal(name=name) for name in ("closing", "clearing", "ask", "drained", "opened")
@@ -230,9 +244,11 @@ class VideoDetector(wiring.Component):
             m.d.sync += closing.eq(0)
 
     def _kept(self, m: Module, restart: Signal) -> Value:
-        """Keeps what T1 is adapted to over a restart, but not over a reset; returns whether that is up to date.
+        """Keeps what T1 is adapted to over a restart, but not over a reset; returns whether that is
+        up to date.
 
-        It is soon after a frame's last window, and so is known to be not yet before the frame's end comes out.
+        It is soon after a frame's last window, and so is known to be not yet before the frame's end
+        comes out.
         """
         with m.If(restart & self.control.reset):
             m.d.sync += self.kept.eq(0)
@@ -243,7 +259,8 @@ class VideoDetector(wiring.Component):
 
     def _in_flight(self, m: Module, name: str, out: Any, restart: Signal) -> Signal:
         """Complete frames whose last pixel has gone in, but whose end has not come out."""
-        # each frame in flight has at least one window among the marks and notes that wait, but for two
+        # each frame in flight has at least one window among the marks and notes that wait, but for
+        # two
         most = self._parameters.queue_depth + 32
         inside = Signal(range(most), name=name)
         with m.If(restart):

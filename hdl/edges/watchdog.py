@@ -26,7 +26,8 @@ class Watchdog(wiring.Component):
     limit
         Clocks; 0: for ever.
     expired
-        It has waited for so long, or for longer when the limit was lowered: once, for one clock, in each wait.
+        It has waited for so long, or for longer when the limit was lowered: once, for one clock, in
+        each wait.
     """
 
     def __init__(self, bits: int = TIMEOUT_BITS) -> None:
@@ -34,7 +35,8 @@ class Watchdog(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        # one bit more than a limit has, in which the count stays: a limit that is set late must find it
+        # one bit more than a limit has, in which the count stays: a limit that is set late must
+        # find it
         waited, over = Signal(len(self.limit) + 1), Signal()
         reached = Signal()
         m.d.comb += reached.eq((waited >= self.limit) & (self.limit != 0) & ~over)

@@ -9,12 +9,15 @@ def magnitude(value: Value) -> Value:
     """|value|, one bit shorter if signed. The least value must not matter: for it the result is 0."""
     if not value.shape().signed:
         return value
-    # negated by inversion and carry, which fit in one adder; a choice between value and -value takes three times that
+    # negated by inversion and carry, which fit in one adder; a choice between value and -value
+    # takes three times that
     bits, sign = value[:-1], value[-1]
     return ((bits ^ sign.replicate(len(bits))) + sign)[: len(bits)]
 
 
 def add_with_carry(a: Value, b: Value, carry: Value) -> Value:
-    """a + b + carry, both signed, as one carry chain: the carry enters it at a place below the lowest."""
+    """a + b + carry, both signed, as one carry chain: the carry enters it at a place below the
+    lowest.
+    """
     low = Cat(carry, b).as_signed()
     return (Cat(C(1, 1), a).as_signed() + low)[1:].as_signed()

@@ -1,7 +1,8 @@
 """Circular buffer (Sec. 4.1, Fig. 10): rows held in block RAM, delivered as columns of a window.
 
-The paper delivers N×N windows. Here a buffer delivers the window's newest column, and each block that follows
-keeps the columns it needs: the N×N registers of Fig. 10 without those that nobody reads.
+The paper delivers N×N windows. Here a buffer delivers the window's newest column, and each block
+that follows keeps the columns it needs: the N×N registers of Fig. 10 without those that nobody
+reads.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ from hdl.parts.stream import Beat, Columns, Pipeline
 class CircularBuffer(wiring.Component):
     """Columns of N rows out of a raster.
 
-    Takes a raster of any width from 4 to ``max_width`` and any height, and delivers, once N rows have come, one
-    column of N values for each further position: (height-N+1) rows of ``width`` columns. Rows of different
-    frames never meet in a column. One beat per clock.
+    Takes a raster of any width from 4 to ``max_width`` and any height, and delivers, once N rows
+    have come, one column of N values for each further position: (height-N+1) rows of ``width``
+    columns. Rows of different frames never meet in a column. One beat per clock.
 
     Parameters
     ----------
@@ -34,11 +35,12 @@ class CircularBuffer(wiring.Component):
         Longest row.
     buffering
         ``"lean"``: N-1 rows in one memory, the incoming value forwarded as the column's last.
-        ``"banked"``: N+1 memories of one row, one written while N are read, roles rotating row by row. A row
-        is read out once it is complete, while the next one is written, or by itself if none comes.
+        ``"banked"``: N+1 memories of one row, one written while N are read, roles rotating row by
+        row. A row is read out once it is complete, while the next one is written, or by itself if
+        none comes.
     registers
-        Of ``"lean"``: more registers behind the columns, which spare what follows the way from block RAM.
-        ``"banked"`` has them already, behind its multiplexers.
+        Of ``"lean"``: more registers behind the columns, which spare what follows the way from
+        block RAM. ``"banked"`` has them already, behind its multiplexers.
 
     Members
     -------
@@ -62,7 +64,9 @@ class CircularBuffer(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Clocks from a beat to the column that it completes, or (banked) from a row's end to its first column."""
+        """Clocks from a beat to the column that it completes, or (banked) from a row's end to its
+        first column.
+        """
         return 2 + self._registers if self._buffering == "lean" else 5
 
     @property
@@ -101,7 +105,8 @@ class CircularBuffer(wiring.Component):
         newest = pipe.register(self.i.payload.data, "newest")
         column = pipe.register(Cat(read.data, newest), "column")
 
-        # each row moves up by one: what was read, less its oldest value, goes back with the newest one below
+        # each row moves up by one: what was read, less its oldest value, goes back with the newest
+        # one below
         store = pipe.register(arrived, "store", reset=True)
         with m.If(store & pipe.advance):
             m.d.sync += write.addr.eq(Mux(tags[0], 0, write.addr + 1))
@@ -129,7 +134,8 @@ class CircularBuffer(wiring.Component):
                 m.d.comb += result.eq(0)
             return result
 
-        # Read-out of the newest complete row and the N-1 before it. A row that completes meanwhile is pending.
+        # Read-out of the newest complete row and the N-1 before it. A row that completes meanwhile
+        # is pending.
         reading, pending, last_read = Signal(), Signal(), Signal()
         read_x, read_last, pending_last = (
             Signal(column_type, name=n) for n in ("read_x", "read_last", "pending_last")
@@ -137,7 +143,8 @@ class CircularBuffer(wiring.Component):
         read_eof, pending_eof = Signal(), Signal()
         read_newest, pending_newest = Signal(bank_type), Signal(bank_type)
 
-        # Writing. A bank that the read-out still needs may be overwritten only behind it, column by column.
+        # Writing. A bank that the read-out still needs may be overwritten only behind it, column by
+        # column.
         write_x, write_bank = Signal(column_type), Signal(bank_type)
         rows_seen = Signal(range(self._rows))
         complete = rows_seen == self._rows - 1
@@ -146,7 +153,8 @@ class CircularBuffer(wiring.Component):
         behind = Signal()
         allowed = (~reading | spare | behind) & ~(pending & self.i.payload.eol)
         step, row_done = Signal(), Signal()
-        # a clock ahead, so that the comparison is no part of the handshake: neither moves by more than one
+        # a clock ahead, so that the comparison is no part of the handshake: neither moves by more
+        # than one
         m.d.sync += behind.eq(Mux(row_done, read_x != 0, write_x + 1 < read_x) & ~last_read)
         m.d.comb += [
             self.i.ready.eq(allowed),

@@ -1,4 +1,6 @@
-"""A long delay in a memory, where a chain of registers would cost a logic element per bit and clock."""
+"""A long delay in a memory, where a chain of registers would cost a logic element per bit and
+clock.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +20,10 @@ PART = 18
 class DelayLine(wiring.Component):
     """A value some enabled clocks later: data of a pipeline that waits beside a longer path.
 
-    One counter goes round a memory; at each place the old value is read just as the new one takes its place.
-    Which memory that is, block RAM or something smaller, is left to the tools: most of these lines are short.
-    There is no reset: what comes out is meaningless until a value has gone through.
+    One counter goes round a memory; at each place the old value is read just as the new one takes
+    its place. Which memory that is, block RAM or something smaller, is left to the tools: most of
+    these lines are short. There is no reset: what comes out is meaningless until a value has gone
+    through.
 
     Parameters
     ----------

@@ -1,6 +1,7 @@
 """Small stream parts that every block uses: beats with raster tags, pipelines that stall, buffers.
 
-All streams follow Amaranth's ``lib.stream``: valid never depends on ready, and a payload is held until taken.
+All streams follow Amaranth's ``lib.stream``: valid never depends on ready, and a payload is held
+until taken.
 """
 
 from __future__ import annotations
@@ -13,25 +14,29 @@ from amaranth.lib.wiring import In, Out
 
 
 def Beat(shape: ShapeLike) -> data.StructLayout:
-    """One beat of a raster: ``data``, ``eol`` (last of its row), ``eof`` (last of its frame; implies eol)."""
+    """One beat of a raster: ``data``, ``eol`` (last of its row), ``eof`` (last of its frame;
+    implies eol).
+    """
     return data.StructLayout({"data": shape, "eol": 1, "eof": 1})
 
 
 def Columns(shape: ShapeLike, rows: int) -> data.StructLayout:
-    """Layout of one column of a window: ``data[0]`` is the top (oldest) row, ``data[rows-1]`` the newest."""
+    """Layout of one column of a window: ``data[0]`` is the top (oldest) row, ``data[rows-1]`` the
+    newest.
+    """
     return Beat(data.ArrayLayout(shape, rows))
 
 
 class Pipeline:
     """The registers of one block, which move together.
 
-    They advance whenever the block's output is ready, and with them whatever is inside, beats and the bubbles
-    that an idle input leaves. So beats leave also when no further input comes, and readiness passes through any
-    number of blocks without any logic. In return ``o.ready`` must not wait for ``o.valid``. Data registers have
-    no reset; only the valid bits do.
+    They advance whenever the block's output is ready, and with them whatever is inside, beats and
+    the bubbles that an idle input leaves. So beats leave also when no further input comes, and
+    readiness passes through any number of blocks without any logic. In return ``o.ready`` must not
+    wait for ``o.valid``. Data registers have no reset; only the valid bits do.
 
-    A block computes with ``valid``, which says that a beat is offered at ``i`` and may be taken, and takes it
-    when ``valid & advance``.
+    A block computes with ``valid``, which says that a beat is offered at ``i`` and may be taken,
+    and takes it when ``valid & advance``.
 
     Parameters
     ----------
@@ -72,7 +77,9 @@ class Pipeline:
 
 
 class WindowCounter:
-    """Says which columns of a row complete a window ``size`` columns wide: all but the first size-1."""
+    """Says which columns of a row complete a window ``size`` columns wide: all but the first
+    size-1.
+    """
 
     def __init__(self, m: Module, size: int, *, step: ValueLike, eol: ValueLike) -> None:
         seen = Signal(range(size))
@@ -86,7 +93,8 @@ class WindowCounter:
 
 
 class SkidBuffer(wiring.Component):
-    """Two-place buffer that cuts both paths: every output, ``i.ready`` included, comes from a register.
+    """Two-place buffer that cuts both paths: every output, ``i.ready`` included, comes from a
+    register.
 
     Full rate, latency 1.
 
@@ -95,7 +103,8 @@ class SkidBuffer(wiring.Component):
     shape
         Payload.
     closed_in_reset
-        Its input is not ready until the clock after a reset: a source that is not reset with it loses no beat.
+        Its input is not ready until the clock after a reset: a source that is not reset with it
+        loses no beat.
 
     Members
     -------
@@ -115,7 +124,8 @@ class SkidBuffer(wiring.Component):
         first, spare = Signal(self._shape, reset_less=True), Signal(self._shape, reset_less=True)
         # ready is kept as it is, not inverted: it goes far
         first_full, ready = Signal(), Signal(init=not self._closed)
-        # the spare is only ever full behind a full first place, and the input waits while it is; or after a reset
+        # the spare is only ever full behind a full first place, and the input waits while it is; or
+        # after a reset
         refilled = Mux(ready, self.i.valid, first_full) if self._closed else ~ready | self.i.valid
         m.d.comb += [self.i.ready.eq(ready), self.o.valid.eq(first_full), self.o.payload.eq(first)]
         with m.If(self.o.ready | ~first_full):

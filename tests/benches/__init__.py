@@ -1,1 +1,3 @@
-"""cocotb test benches: modules that run inside the simulator, started by tests through :mod:`sim.cocotb_bench`."""
+"""cocotb test benches: modules that run inside the simulator, started by tests through
+:mod:`sim.cocotb_bench`.
+"""

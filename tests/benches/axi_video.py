@@ -1,7 +1,8 @@
-"""What comes out at the core's optional video output: pixels as they went in, with a mark where a corner is.
+"""What comes out at the core's optional video output: pixels as they went in, with a mark where a
+corner is.
 
-Corners are computed here from the golden model's blocks, not from its records: those are refined, and tell the
-whole pixel no more.
+Corners are computed here from the golden model's blocks, not from its records: those are refined,
+and tell the whole pixel no more.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ _SOF, _CORNER = 1, 2
 
 @dataclass(frozen=True)
 class Shown:
-    """A frame at the output: beats ``(pixel, TUSER, TLAST)``. Of a cut one, some number of the first of them."""
+    """A frame at the output: beats ``(pixel, TUSER, TLAST)``. Of a cut one, some number of the
+    first of them.
+    """
 
     beats: NDArray[np.int64]
     cut: bool
@@ -55,7 +58,9 @@ class VideoExpectation:
         self._begun: VideoSettings | None = None
 
     def interrupt(self, begun: int | None = None) -> None:
-        """A soft reset: of the frames begun by now any part may be missing, and the next frame is the first."""
+        """A soft reset: of the frames begun by now any part may be missing, and the next frame is
+        the first.
+        """
         before = [replace(shown, cut=True) for shown in self.expected[:begun]]
         self.reset()
         self.expected = before

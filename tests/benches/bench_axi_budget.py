@@ -1,4 +1,6 @@
-"""Limit and target through registers: what is reported, what is counted, what is kept and what is forgotten."""
+"""Limit and target through registers: what is reported, what is counted, what is kept and what is
+forgotten.
+"""
 
 from __future__ import annotations
 
@@ -82,7 +84,9 @@ async def target_corners(dut: Dut, stall: float) -> None:
 
 @cocotb.test(timeout_time=3, timeout_unit="ms")
 async def reset_forgets(dut: Dut) -> None:
-    """A soft reset, in a frame and between two, even while the output is held up: the next frame is the first."""
+    """A soft reset, in a frame and between two, even while the output is held up: the next frame is
+    the first.
+    """
     bench, random_ = Bench(dut), draw()
     await bench.start()
     await aim(bench, target_corners=3)

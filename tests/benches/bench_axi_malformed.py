@@ -1,7 +1,8 @@
 """Malformed video through the core, one test per kind, each with and without pauses on both sides.
 
-Each asserts that STATUS holds exactly what happened, that every packet is closed, and that the next well-formed
-frame is exact (``Bench.check``). What may be expected of the frames that are cut, the golden model says.
+Each asserts that STATUS holds exactly what happened, that every packet is closed, and that the next
+well-formed frame is exact (``Bench.check``). What may be expected of the frames that are cut, the
+golden model says.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ NONE, DONE, CUT = Event(0), Event.FRAME_DONE, Event.FRAME_CUT
 
 
 def row(test: Callable[[Bench, Random], Awaitable[None]]) -> Any:
-    """Makes a cocotb test of it, with and without pauses; called ``ROUNDS`` times, each time with another size."""
+    """Makes a cocotb test of it, with and without pauses; called ``ROUNDS`` times, each time with
+    another size.
+    """
 
     async def run(dut: Dut, pauses: float) -> None:
         bench, random_ = Bench(dut, idle=pauses, stall=pauses), draw()
@@ -120,7 +123,9 @@ async def long_line(bench: Bench, random_: Random) -> None:
 
 @row
 async def lost_tlast(bench: Bench, random_: Random) -> None:
-    """One line runs into the next, so the frame lacks one, or if it is the last the next frame's first ends it."""
+    """One line runs into the next, so the frame lacks one, or if it is the last the next frame's
+    first ends it.
+    """
     perhaps = CUT | Event.SOF_EARLY | Event.EOL_MISSING
     await between(bench, random_, malformed.lost_eol, DONE | Event.EOL_LATE, perhaps)
 
@@ -133,7 +138,9 @@ async def tlast_never(bench: Bench, random_: Random) -> None:
 
 @row
 async def tlast_ignored(bench: Bench, random_: Random) -> None:
-    """With ``ignore_eol`` frames without any end of line are as good as others, so are those with some anywhere."""
+    """With ``ignore_eol`` frames without any end of line are as good as others, so are those with
+    some anywhere.
+    """
     video = bench.video
     await bench.configure(VideoSettings(video.width, video.height, video.settings, ignore_eol=True))
     bench.send(frame(bench, random_, malformed.no_eol))
@@ -194,7 +201,9 @@ def places(pixels: int, *dense: int) -> Iterator[int]:
 
 @row
 async def soft_reset_anywhere(bench: Bench, random_: Random) -> None:
-    """In either of two frames, so that the first is inside still when the second has begun; and after them."""
+    """In either of two frames, so that the first is inside still when the second has begun; and
+    after them.
+    """
     bench.video = VideoSettings(int(random_.integers(15, 20)), 15, bench.video.settings)
     await bench.configure(bench.video)
     size = bench.video.width * bench.video.height

@@ -1,6 +1,7 @@
 """Well-formed video through the core: {idle or not} x {stalled or not} x sizes, every packet exact.
 
-Without pauses also every clock: frames take width x height of them, and ends come when they are said to.
+Without pauses also every clock: frames take width x height of them, and ends come when they are
+said to.
 """
 
 from __future__ import annotations
@@ -77,7 +78,9 @@ async def matrix(dut: Dut, frame_size: str, idle: float, stall: float) -> None:
 
 
 async def unhindered(bench: Bench, packets: list[Packet], width: int, height: int) -> None:
-    """One frame after the other, as fast as they come: results while the next is under way, and all times."""
+    """One frame after the other, as fast as they come: results while the next is under way, and all
+    times.
+    """
     words: list[Records] = []
     for packet in packets:
         words.append(np.array((await bench.sink.packet()).data, np.uint64))
@@ -114,7 +117,9 @@ def waits(packet: Packet, bench: Bench, width: int, height: int) -> bool:
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def without_software(dut: Dut) -> None:
-    """Nobody writes a register: frames of the built maximum are taken, or where not built for that dropped."""
+    """Nobody writes a register: frames of the built maximum are taken, or where not built for that
+    dropped.
+    """
     bench, random = Bench(dut), draw()
     await bench.start()
     bench.video = replace(bench.video, enabled=bench.parameters.autostart)

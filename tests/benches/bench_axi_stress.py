@@ -1,4 +1,5 @@
-"""Random frames, some of them malformed, random pauses that change from frame to frame, register traffic all along.
+"""Random frames, some of them malformed, random pauses that change from frame to frame, register
+traffic all along.
 
 Says what it tried in a line that begins with "tried".
 """

@@ -1,4 +1,6 @@
-"""Tries the small component of ``tests/sim/test_cocotb_bench.py``, and with it the drivers of ``common``."""
+"""Tries the small component of ``tests/sim/test_cocotb_bench.py``, and with it the drivers of
+``common``.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,9 @@
-"""What test benches share: clock and reset, video in, packets out, registers, and rules that are watched.
+"""What test benches share: clock and reset, video in, packets out, registers, and rules that are
+watched.
 
-Drivers are cocotbext-axi's, which nobody here wrote. Make them before :func:`start`, so that no pin is left
-without a value and each of them sees the reset. Everything random comes from :mod:`random`, which cocotb seeds.
+Drivers are cocotbext-axi's, which nobody here wrote. Make them before :func:`start`, so that no pin
+is left without a value and each of them sees the reset. Everything random comes from :mod:`random`,
+which cocotb seeds.
 """
 
 from __future__ import annotations
@@ -56,7 +58,9 @@ async def start(dut: Dut, clocks: int = 3) -> None:
 
 
 async def reset(dut: Dut, clocks: int = 3) -> None:
-    """Resets the core and, by the same pin, the drivers: they lose a packet that has begun, and no other."""
+    """Resets the core and, by the same pin, the drivers: they lose a packet that has begun, and no
+    other.
+    """
     dut.rst.value = 1
     await ClockCycles(dut.clk, clocks)
     dut.rst.value = 0
@@ -64,7 +68,8 @@ async def reset(dut: Dut, clocks: int = 3) -> None:
 
 
 class VideoSource:
-    """Sends frames as AXI4-Stream video: a packet is a line, TUSER[0] marks the first pixel of a frame.
+    """Sends frames as AXI4-Stream video: a packet is a line, TUSER[0] marks the first pixel of a
+    frame.
 
     Parameters
     ----------
@@ -92,7 +97,8 @@ class VideoSource:
     def beats(self, beats: Iterable[tuple[int, bool, bool]]) -> None:
         """Queues pixels marked in any way, ``(pixel, start of frame, end of line)``.
 
-        A packet has its TLAST at its end, so those after the last end of line stay here until more come.
+        A packet has its TLAST at its end, so those after the last end of line stay here until more
+        come.
         """
         for pixel, sof, eol in beats:
             self._begun.append((pixel, sof))
@@ -179,10 +185,11 @@ class Registers:
 
 
 class Watch:
-    """Checks in each clock what AXI asks of the sending side of a channel; a breach fails the test at once.
+    """Checks in each clock what AXI asks of the sending side of a channel; a breach fails the test
+    at once.
 
-    Valid stays until the beat is taken, the payload stays meanwhile, and nothing is valid in reset. Looks at the
-    pins alone: no driver can hide anything.
+    Valid stays until the beat is taken, the payload stays meanwhile, and nothing is valid in reset.
+    Looks at the pins alone: no driver can hide anything.
 
     Members
     -------
@@ -269,7 +276,8 @@ def _clocks() -> int:
 
 
 def _quieten(dut: Dut, prefix: str) -> None:
-    # the models write each packet into the log, which takes longer than to send it, and what a reset makes them lose
+    # the models write each packet into the log, which takes longer than to send it, and what a
+    # reset makes them lose
     logging.getLogger(f"cocotb.{dut._name}.{prefix}").setLevel(logging.ERROR)
 
 

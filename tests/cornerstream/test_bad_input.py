@@ -1,4 +1,6 @@
-"""Bad input: exit code 2, one line on stderr that names the value and what is allowed, nothing written."""
+"""Bad input: exit code 2, one line on stderr that names the value and what is allowed, nothing
+written.
+"""
 
 from __future__ import annotations
 

@@ -152,7 +152,8 @@ def test_bad_input(options: tuple[str, ...], message: str, folder: Path) -> None
     assert [path.name for path in folder.iterdir()] == ["file"]
 
 
-# Written by hand after the published form of these files: no compilation of this core has been seen.
+# Written by hand after the published form of these files: no compilation of this core has been
+# seen.
 FIT = """\
 Fitter Status : Successful - Sun Nov 22 12:00:00 2026
 Quartus Prime Version : 22.1std.0 Build 915 10/25/2022 SC Lite Edition

@@ -1,4 +1,6 @@
-"""Images by hand: what is done with colour, transparency, sizes, damage, and what a file holds beside its pixels."""
+"""Images by hand: what is done with colour, transparency, sizes, damage, and what a file holds
+beside its pixels.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Every kind of image file: the right pixels and remarks, or one line; whole, turned, cut and with junk."""
+"""Every kind of image file: the right pixels and remarks, or one line; whole, turned, cut and with
+junk.
+"""
 
 from __future__ import annotations
 
@@ -120,7 +122,8 @@ def test_turned_png(tmp_path: Path, case: Case, orientation: int) -> None:
 @pytest.mark.parametrize("orientation", range(1, 9))
 @pytest.mark.parametrize("case", cases(USED, formats=("JPEG", "WebP", "AVIF")))
 def test_turned_photograph(tmp_path: Path, case: Case, orientation: int) -> None:
-    # these writers turn nothing: the picture is stored as it is, and comes back turned the other way
+    # these writers turn nothing: the picture is stored as it is, and comes back turned the other
+    # way
     photograph = loaded_any_size(tmp_path / "image", case.make(exif=b"Exif\0\0" + exif(orientation)))
     back = {6: 8, 8: 6}.get(orientation, orientation)
     check_turned(photograph, replace(case, grey=STORED[back](case.grey)), orientation)
@@ -138,7 +141,9 @@ def check_turned(photograph: Photograph, case: Case, orientation: int) -> None:
 
 @pytest.mark.parametrize("case", cases(USED, NORMALIZED, formats=("TIFF",)))
 def test_layouts_of_tiff(tmp_path: Path, case: Case) -> None:
-    """Turned, in one strip or several, in planes or not, either order of bytes, compressed or not: all the same."""
+    """Turned, in one strip or several, in planes or not, either order of bytes, compressed or not:
+    all the same.
+    """
     normalize = case.outcome == NORMALIZED
     right = loaded(tmp_path / "image", case.make(), normalize=normalize).pixels
     planes = (False, True) if case.layout in ("RGB", "RGB with alpha", "CMYK") else (False,)

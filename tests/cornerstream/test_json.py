@@ -1,4 +1,6 @@
-"""What ``--json`` prints: the keys of docs/json.md and no others, and the figures of the golden model."""
+"""What ``--json`` prints: the keys of docs/json.md and no others, and the figures of the golden
+model.
+"""
 
 from __future__ import annotations
 

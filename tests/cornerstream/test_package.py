@@ -184,5 +184,6 @@ def test_there_is_no_video_out_with_avalon(folder: Path) -> None:
     message = run("package", "-o", "ip", *SIZE, *options, code=2).stderr
     assert "video_out is True; allowed with Avalon edges: False" in message
     assert list(folder.iterdir()) == []
-    # the core that was refused is missed by Amaranth as soon as it is gone: here, not in some later test
+    # the core that was refused is missed by Amaranth as soon as it is gone: here, not in some later
+    # test
     gc.collect()

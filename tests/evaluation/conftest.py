@@ -1,4 +1,6 @@
-"""Intervals of few resamples: what they are worth is tested once, by tests that say how many they want."""
+"""Intervals of few resamples: what they are worth is tested once, by tests that say how many they
+want.
+"""
 
 from __future__ import annotations
 

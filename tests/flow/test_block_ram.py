@@ -1,4 +1,6 @@
-"""Memories become blocks of RAM, output registers and second ports included, and deliver the same words."""
+"""Memories become blocks of RAM, output registers and second ports included, and deliver the same
+words.
+"""
 
 from __future__ import annotations
 
@@ -24,14 +26,18 @@ from sim import Stimulus, make_engine
 COMMANDS = data.StructLayout(
     {"write": 1, "read": 1, "move": 1, "turn": 1, "to": 13, "at": 13, "other": 13, "word": 21}
 )
-"""One beat: whether to write, to read, and to let registers of two kinds take over; addresses; what to write."""
+"""One beat: whether to write, to read, and to let registers of two kinds take over; addresses; what
+to write.
+"""
 
 Values = list[Any]
 Build = Callable[[Module, Any], Values]
 
 
 class Bench(wiring.Component):
-    """Memories that obey commands. What they deliver is the output's payload, and changes with beats only."""
+    """Memories that obey commands. What they deliver is the output's payload, and changes with
+    beats only.
+    """
 
     def __init__(self, width: int, build: Build) -> None:
         self._build = build
@@ -89,7 +95,9 @@ def register(m: Module, value: Any, enable: Any = None, **kind: Any) -> Signal:
 
 
 def commands(count: int = 1500) -> NDArray[np.uint64]:
-    """Random ones, to eight addresses in all memories, so that words are read back, often while they are written."""
+    """Random ones, to eight addresses in all memories, so that words are read back, often while
+    they are written.
+    """
     random = np.random.default_rng(5)
     places = np.array([0, 1, 5, 255, 256, 511, 1100, 7244], dtype=np.uint64)
     fields = {
@@ -120,7 +128,9 @@ def mapped(folder: Path, width: int, build: Build) -> tuple[Area, str, bool]:
 
 
 def with_output_registers(m: Module, c: Any) -> Values:
-    """Every width of the block, one memory deeper than wide, one split over several; each with its register."""
+    """Every width of the block, one memory deeper than wide, one split over several; each with its
+    register.
+    """
     sizes = [(1, 8192), (2, 4096), (4, 2048), (9, 1024), (18, 512), (36, 256), (10, 1200), (40, 256)]
     return [register(m, ram(m, c, *size), c.move) for size in sizes]
 
@@ -165,7 +175,9 @@ def test_other_registers_stay_flip_flops(tmp_path: Path) -> None:
 
 
 def tables(m: Module, c: Any) -> Values:
-    """Tables with two ports, with registers, with one, with none, and with different ones; one with one port."""
+    """Tables with two ports, with registers, with one, with none, and with different ones; one with
+    one port.
+    """
     first, second = table(m, c, 18, 512, 2)
     third, fourth = table(m, c, 7, 1024, 2)
     values = [register(m, first, c.move), register(m, second, c.move), register(m, third, c.move), fourth]

@@ -1,4 +1,6 @@
-"""What others see of the emitted core: module and port names that do not clash, and no complaint of Verilator."""
+"""What others see of the emitted core: module and port names that do not clash, and no complaint of
+Verilator.
+"""
 
 from __future__ import annotations
 

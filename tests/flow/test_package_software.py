@@ -25,8 +25,8 @@ from tests.support.photographs import photograph
 WIDTH, HEIGHT = 64, 48
 PARAMETERS = Build.profile("robust", max_width=WIDTH, max_height=HEIGHT)
 STRICT = ("-Wall", "-Wextra", "-Werror", "-pedantic")
-# Registers that behave as the core's do, as far as the example can tell: the size is checked, STATUS is cleared by
-# ones, and a frame ends when STATUS has been read a few times after the start.
+# Registers that behave as the core's do, as far as the example can tell: the size is checked,
+# STATUS is cleared by ones, and a frame ends when STATUS has been read a few times after the start.
 FAKE = """\
 #include <stdint.h>
 #include <stdlib.h>

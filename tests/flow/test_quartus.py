@@ -93,7 +93,8 @@ class Forgetful(wiring.Component):
 
 
 def noise_on_collision(text: str) -> tuple[str, int]:
-    """Verilog whose memories deliver noise for an address that is being written; how many memories that are.
+    """Verilog whose memories deliver noise for an address that is being written; how many memories
+    that are.
 
     Those that are known to need the old data are left as they are.
     """
@@ -129,7 +130,8 @@ def test_no_record_depends_on_reading_during_writing(tmp_path: Path, name: str, 
     expected = [model.process(*frame).records for frame in frames]
     # smoothed responses have fewer peaks
     assert sum(map(len, expected)) > 40
-    # the last one makes the reading side of the buffers wait for the records, until the writing side catches up
+    # the last one makes the reading side of the buffers wait for the records, until the writing
+    # side catches up
     for stalls in (Stalls(), Stalls(0.4, 0.4, seed=2), Stalls(0.0, 0.995, seed=3)):
         result = simulate_frames(engine, frames, parameters, stalls=stalls, max_clocks=500_000)
         assert summarize(compare(result, expected)) == ""

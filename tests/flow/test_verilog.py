@@ -43,7 +43,9 @@ class Bump(wiring.Component):
 
 
 class DelayLine(wiring.Component):
-    """Sums each beat with the one four beats earlier, kept in a memory with the given first contents."""
+    """Sums each beat with the one four beats earlier, kept in a memory with the given first
+    contents.
+    """
 
     def __init__(self, init: list[int]) -> None:
         self._init = init
@@ -144,7 +146,9 @@ def test_detector_keeps_its_table_and_nothing_else() -> None:
 
 
 def noise_at_power_on(text: str) -> tuple[str, int]:
-    """Verilog in which everything without initial contents starts with noise; how many memories have none."""
+    """Verilog in which everything without initial contents starts with noise; how many memories
+    have none.
+    """
     filled = initialised(text)
     memories = 0
 

@@ -16,9 +16,11 @@ from tests.formal.properties import assume_stable, moves
 from tests.formal.test_packet_constructor import ends
 
 LATE = 2
-"""Clocks with its output ready in which it takes a pixel, and in which it ends a frame that is complete.
+"""Clocks with its output ready in which it takes a pixel, and in which it ends a frame that is
+complete.
 
-The real one takes some hundreds; which number it is decides about how long a proof must look ahead, only.
+The real one takes some hundreds; which number it is decides about how long a proof must look ahead,
+only.
 """
 
 

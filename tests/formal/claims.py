@@ -1,4 +1,6 @@
-"""A claim about a block: its proof, the cover that shows it to be about something, and faults that it catches."""
+"""A claim about a block: its proof, the cover that shows it to be about something, and faults that
+it catches.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,8 @@ _METHODS = {"induction": "induction", "bmc": "bounded model checking"}
 
 @dataclass(frozen=True)
 class Fault:
-    """A wrong variant of the design: one place of its source is changed, and an Assert must fail in a true run.
+    """A wrong variant of the design: one place of its source is changed, and an Assert must fail in
+    a true run.
 
     What is asserted only to help the induction does not count: the fault breaks what is claimed.
 
@@ -45,10 +48,10 @@ class Fault:
 class Claim:
     """Parameters: what is claimed, and how it is proven.
 
-    ``check`` makes a checker, an elaboratable with Asserts and Covers, out of the module ``design`` or a faulty
-    variant of it. ``covered`` is the number of clocks in which all Covers are reached. Where these, or faults, lie
-    too many clocks away for a solver, ``small`` is the design with a smaller constant: the claim is proven for it
-    as well, and they are looked for in it.
+    ``check`` makes a checker, an elaboratable with Asserts and Covers, out of the module ``design``
+    or a faulty variant of it. ``covered`` is the number of clocks in which all Covers are reached.
+    Where these, or faults, lie too many clocks away for a solver, ``small`` is the design with a
+    smaller constant: the claim is proven for it as well, and they are looked for in it.
     """
 
     says: str

@@ -1,4 +1,6 @@
-"""The design under proof: its registers, which an induction must speak about, and wrong variants of it."""
+"""The design under proof: its registers, which an induction must speak about, and wrong variants of
+it.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +15,9 @@ from amaranth.hdl import Const, Module, Value
 class Insides:
     """What a component is made of by name, for what an induction has to know of it.
 
-    These are the local variables of its methods while it is elaborated, which happens here, once, and the signals
-    that it names itself. The component stays as it is and is used as a submodule as ever. A submodule is opened
-    likewise, before the checker is done.
+    These are the local variables of its methods while it is elaborated, which happens here, once,
+    and the signals that it names itself. The component stays as it is and is used as a submodule as
+    ever. A submodule is opened likewise, before the checker is done.
     """
 
     def __init__(self, component: Any) -> None:
@@ -45,7 +47,9 @@ class Insides:
 
 
 def stored(m: Module, memory: Any, place: Value | int) -> Value:
-    """What a memory that is not elaborated yet has in a place: through one more port, which changes nothing."""
+    """What a memory that is not elaborated yet has in a place: through one more port, which changes
+    nothing.
+    """
     port = memory.read_port(domain="comb")
     address = Const(place, len(port.addr)) if isinstance(place, int) else place
     m.d.comb += port.addr.eq(address)
@@ -53,7 +57,9 @@ def stored(m: Module, memory: Any, place: Value | int) -> Value:
 
 
 def variant(design: ModuleType, changes: dict[str, str]) -> ModuleType:
-    """A module of the sources with each of these texts, which occur once in it, replaced by another."""
+    """A module of the sources with each of these texts, which occur once in it, replaced by
+    another.
+    """
     assert design.__file__
     source = getattr(design, "source", None) or Path(design.__file__).read_text(encoding="utf-8")
     for old, new in changes.items():

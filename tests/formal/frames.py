@@ -1,4 +1,6 @@
-"""Frames as a model has them: where in one a pixel is, and what the frame guard must make of any video."""
+"""Frames as a model has them: where in one a pixel is, and what the frame guard must make of any
+video.
+"""
 
 from __future__ import annotations
 
@@ -64,7 +66,8 @@ def claim(m: Module, holds: Any, message: str, known: bool) -> None:
 
 
 def guard_model(m: Module, dut: Any, inside: Insides, restarted: Signal, *, known: bool = False) -> Place:
-    """Assert what becomes of each beat, as ``golden.video`` has it; returns the place of the next pixel.
+    """Assert what becomes of each beat, as ``golden.video`` has it; returns the place of the next
+    pixel.
 
     ``known``: it is proven elsewhere, and only helps the proof of something else.
     """

@@ -1,4 +1,6 @@
-"""Paths through a design without a register on the way: found in its netlist, so for all inputs at once."""
+"""Paths through a design without a register on the way: found in its netlist, so for all inputs at
+once.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,8 @@ Net = int
 def combinational_paths(component: Any) -> dict[str, set[str]]:
     """For each output port that some input port can change within the clock: these inputs, by name.
 
-    An output of a cell counts as depending on all of its inputs, so the answer errs on the side of paths only.
+    An output of a cell counts as depending on all of its inputs, so the answer errs on the side of
+    paths only.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -1,7 +1,9 @@
-"""The rules of streams as properties, for any block: what a proof asserts, and what it assumes of the neighbours.
+"""The rules of streams as properties, for any block: what a proof asserts, and what it assumes of
+the neighbours.
 
-Each function adds its registers and its Asserts, Assumes and Covers to the module of a checker, which holds the
-block under proof as a submodule. Names lead the messages, so that a failure says which stream it is about.
+Each function adds its registers and its Asserts, Assumes and Covers to the module of a checker,
+which holds the block under proof as a submodule. Names lead the messages, so that a failure says
+which stream it is about.
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ def moves(port: Any) -> Value:
 def free(m: Module, component: Any, *, but: Collection[str] = ()) -> None:
     """Drive all inputs of a component with arbitrary values, new ones in each clock.
 
-    ``but`` names members that the checker drives itself, whole (``"i"``) or in part (``"i.valid"``).
+    ``but`` names members that the checker drives itself, whole (``"i"``) or in part
+    (``"i.valid"``).
     """
     for path, member, value in component.signature.flatten(component):
         name, signal = ".".join(map(str, path)), Value.cast(value)
@@ -38,7 +41,9 @@ INVARIANT = "invariant"
 
 
 def invariant(m: Module, holds: Any, message: str) -> None:
-    """Assert something about the insides of a block that is no promise of its own, but needed to prove one."""
+    """Assert something about the insides of a block that is no promise of its own, but needed to
+    prove one.
+    """
     m.d.comb += Assert(holds, f"{INVARIANT}: {message}")
 
 
@@ -71,7 +76,8 @@ def assume_stable(m: Module, port: Any, name: str) -> None:
 
 
 def within(m: Module, clocks: int, *, during: Value, happens: Value, name: str) -> Signal:
-    """Assert bounded liveness: of ``clocks`` clocks in a row with ``during`` one at least has ``happens``.
+    """Assert bounded liveness: of ``clocks`` clocks in a row with ``during`` one at least has
+    ``happens``.
 
     Returns the number of clocks it has been due for, which an induction may need to know.
     """
@@ -85,11 +91,12 @@ def within(m: Module, clocks: int, *, during: Value, happens: Value, name: str) 
 
 
 class Scoreboard:
-    """Asserts that no beat is lost, doubled, reordered or changed, by following one arbitrary beat through.
+    """Asserts that no beat is lost, doubled, reordered or changed, by following one arbitrary beat
+    through.
 
-    Any beat may be the one, so what holds for it holds for all. When it goes in, the beats ahead of it are
-    counted; it must come out as given just after these. Nothing may come out that has not gone in. A beat that
-    vanishes with none behind it shows only in :meth:`leaves_within`.
+    Any beat may be the one, so what holds for it holds for all. When it goes in, the beats ahead of
+    it are counted; it must come out as given just after these. Nothing may come out that has not
+    gone in. A beat that vanishes with none behind it shows only in :meth:`leaves_within`.
 
     Parameters
     ----------
@@ -113,8 +120,8 @@ class Scoreboard:
     inside
         Number of beats that went in and have not come out.
     following, ahead, value
-        The followed beat is inside; behind so many; and must come out as this. To be used in an induction,
-        which has to say where in the block that beat is.
+        The followed beat is inside; behind so many; and must come out as this. To be used in an
+        induction, which has to say where in the block that beat is.
     found
         What is at the output.
     """
@@ -175,7 +182,9 @@ class Scoreboard:
 
 
 def accepts_within(m: Module, clocks: int, port: Any, *, during: Value, name: str) -> Signal:
-    """Assert that an offered beat is taken after so many clocks with ``during``, the outputs being ready."""
+    """Assert that an offered beat is taken after so many clocks with ``during``, the outputs being
+    ready.
+    """
     return within(
         m, clocks, during=during & port.valid, happens=port.ready, name=f"{name}: a beat is not accepted"
     )

@@ -89,7 +89,9 @@ CLOSED = Claim(
 
 
 class QueueChecker(Elaboratable):
-    """The source looks at ``room`` a clock late, and may have one more beat to come, as the queue allows it to."""
+    """The source looks at ``room`` a clock late, and may have one more beat to come, as the queue
+    allows it to.
+    """
 
     def __init__(self, design: Any, depth: int) -> None:
         self._design = design

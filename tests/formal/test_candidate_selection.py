@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""Candidate selection: notes and candidates stay in step, and the queues never overflow, whoever waits for whom."""
+"""Candidate selection: notes and candidates stay in step, and the queues never overflow, whoever
+waits for whom.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,9 @@ object.__setattr__(SHORT, "queue_depth", ROOM)
 
 
 class SelectionChecker(Elaboratable):
-    """The blocks before offer all of a centre in one clock, and none in the clock after a frame's last."""
+    """The blocks before offer all of a centre in one clock, and none in the clock after a frame's
+    last.
+    """
 
     def __init__(self, design: Any) -> None:
         self._design = design

@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""Frame control: every frame is as large as was asked for with its first pixel, at the default build's size."""
+"""Frame control: every frame is as large as was asked for with its first pixel, at the default
+build's size.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,9 @@ def allowed(size: Value, least: int, largest: int) -> Value:
 
 
 class FrameControlChecker(Elaboratable):
-    """Sizes and settings change in every clock; what counts is what they are when a first pixel moves."""
+    """Sizes and settings change in every clock; what counts is what they are when a first pixel
+    moves.
+    """
 
     def __init__(self, design: Any) -> None:
         self._design = design

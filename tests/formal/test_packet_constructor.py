@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""Packet constructor: every packet is whole, counted and numbered, and every record is passed on or counted."""
+"""Packet constructor: every packet is whole, counted and numbered, and every record is passed on or
+counted.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,9 @@ def ends(record: Value) -> Value:
 
 
 def assume_detector(m: Module, i: Any) -> None:
-    """What comes is as the output constructor sends it: ``last`` with the end-of-frame record, and only with it."""
+    """What comes is as the output constructor sends it: ``last`` with the end-of-frame record, and
+    only with it.
+    """
     assume_stable(m, i, "i")
     m.d.comb += Assume(i.payload.last == ends(i.payload.record))
 
@@ -47,9 +51,9 @@ def assume_detector(m: Module, i: Any) -> None:
 class PacketChecker(Elaboratable):
     """The model of it: how many records a frame has had, by what became of them.
 
-    Assumed: records as the output constructor sends them; ``close`` stays until it is answered, and no record is
-    offered meanwhile; ``clear`` comes with the answer, or when no packet is open. The proof of the video detector
-    shows that it keeps to that.
+    Assumed: records as the output constructor sends them; ``close`` stays until it is answered, and
+    no record is offered meanwhile; ``clear`` comes with the answer, or when no packet is open. The
+    proof of the video detector shows that it keeps to that.
     """
 
     def __init__(self, design: Any) -> None:
@@ -152,7 +156,9 @@ class PacketChecker(Elaboratable):
         invariant(m, dut.results.frames == number, "the numbers of frames differ")
 
     def _results(self, m: Module, dut: Any, passed: Signal, dropped: Signal) -> None:
-        """What is reported: all of the last complete frame's corners, and those of them that were dropped."""
+        """What is reported: all of the last complete frame's corners, and those of them that were
+        dropped.
+        """
         results = dut.results
         end, cut = moves(dut.o) & dut.o.payload.last, dut.o.payload.record[CUT_SHIFT]
         found, lost, any_results = Signal(COUNT_BITS), Signal(COUNT_BITS), Signal()

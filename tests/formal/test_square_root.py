@@ -1,14 +1,15 @@
 # amaranth: UnusedElaboratable=no
-"""Square root: exact for every radicand, at the real size, by what every register and memory of it holds.
+"""Square root: exact for every radicand, at the real size, by what every register and memory of it
+holds.
 
 After k result bits, of the radicand's first 2k bits N, root q and remainder r:
 
     q² <= N < (q + 1)²        r = N - q² where r >= 0, else N - (q + 1)²
 
-The proof of the hardware carries the excess e along, which the next two bits d of the radicand and the next bit b of
-the root make e' = 4e + d - b·(4q + 1), so that all it has to say is linear, as solvers like it: 0 <= e <= 2q. That
-e is N - q² is proven apart, over all integers. The digits on their way through the delay lines are followed in
-these: nothing is assumed of them.
+The proof of the hardware carries the excess e along, which the next two bits d of the radicand and
+the next bit b of the root make e' = 4e + d - b·(4q + 1), so that all it has to say is linear, as
+solvers like it: 0 <= e <= 2q. That e is N - q² is proven apart, over all integers. The digits on
+their way through the delay lines are followed in these: nothing is assumed of them.
 """
 
 from __future__ import annotations
@@ -30,7 +31,9 @@ ROOT_BITS = Build.profile("paper").root_bits
 
 
 class Known(NamedTuple):
-    """What the proof knows beside a stage: whether a radicand has come to it, which, and its root so far."""
+    """What the proof knows beside a stage: whether a radicand has come to it, which, and its root
+    so far.
+    """
 
     there: Value
     radicand: Value
@@ -39,7 +42,9 @@ class Known(NamedTuple):
 
 
 class StagesChecker(Elaboratable):
-    """Any clock may be enabled or not, and reset may come in any; what counts is what went in since."""
+    """Any clock may be enabled or not, and reset may come in any; what counts is what went in
+    since.
+    """
 
     def __init__(self, design: Any, per_stage: int) -> None:
         self._design = design
@@ -78,7 +83,9 @@ class StagesChecker(Elaboratable):
         return m
 
     def _next(self, m: Module, enable: Value, before: Known, signs: list[Value]) -> Known:
-        """A stage later: a bit of the root is 1 where the remainder's sign, the hardware's own, is 0."""
+        """A stage later: a bit of the root is 1 where the remainder's sign, the hardware's own, is
+        0.
+        """
         root, excess = before.root, before.excess
         for sign in signs:
             low = 2 * (self._bits - 1 - len(root))

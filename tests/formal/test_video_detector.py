@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""The guarded detector, around any detector that keeps its contract: one packet per frame, and no way to hang."""
+"""The guarded detector, around any detector that keeps its contract: one packet per frame, and no
+way to hang.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,8 @@ MOST = PARAMETERS.queue_depth + 30
 
 
 class VideoDetectorChecker(Elaboratable):
-    """Assumed: the detector's contract, sizes in range, and that ``reset`` is held until it is done.
+    """Assumed: the detector's contract, sizes in range, and that ``reset`` is held until it is
+    done.
 
     ``others`` counts the frames that have begun and whose closing beat is not yet at the output.
     """
@@ -159,7 +162,9 @@ class VideoDetectorChecker(Elaboratable):
 
 
 class ExactChecker(VideoDetectorChecker):
-    """Without resets by software: all ends of frames in order, each marked as cut if it was, and only then."""
+    """Without resets by software: all ends of frames in order, each marked as cut if it was, and
+    only then.
+    """
 
     def _frames(self, m: Module) -> None:
         super()._frames(m)
@@ -192,7 +197,9 @@ class ExactChecker(VideoDetectorChecker):
 
 
 class ResetChecker(VideoDetectorChecker):
-    """With resets by software at any time: all that is under way gives one closing beat; and the reset is done."""
+    """With resets by software at any time: all that is under way gives one closing beat; and the
+    reset is done.
+    """
 
     resets = True
 
@@ -208,7 +215,9 @@ class ResetChecker(VideoDetectorChecker):
 
 
 DEPTH = 2 * LATE + 3
-"""One more than the longest wait: so all of a wait is in sight, and nothing need be said about its counters."""
+"""One more than the longest wait: so all of a wait is in sight, and nothing need be said about its
+counters.
+"""
 
 EXACT = Claim(
     says="VideoDetector: one packet for each frame, in order, and none is lost by a cut",

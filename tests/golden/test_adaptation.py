@@ -98,7 +98,9 @@ def test_a_target_is_missed_by_less_than_one_bin(data: st.DataObject) -> None:
 @pytest.mark.parametrize("name", ["camera", "brick", "grass", "coins"])
 @pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
 def test_a_still_scene(parameters: Parameters, name: str, target: int) -> None:
-    """The third frame is the first with both thresholds from a frame like it; nothing changes any more."""
+    """The third frame is the first with both thresholds from a frame like it; nothing changes any
+    more.
+    """
     image, settings = photograph(name), Settings.default(parameters, target_corners=target)
     model = StreamModel(parameters)
     results = [model.process(image, settings) for _ in range(6)]
@@ -116,7 +118,8 @@ def test_a_still_scene(parameters: Parameters, name: str, target: int) -> None:
 def test_a_cut_is_over_after_one_frame(parameters: Parameters) -> None:
     """A camera that pans, and cuts: only the first frame after a cut has a T1 of another scene.
 
-    T2 is constant here: where it follows the largest D, that jumps when a strong corner comes into sight.
+    T2 is constant here: where it follows the largest D, that jumps when a strong corner comes into
+    sight.
     """
     settings = Settings.default(parameters, sigma1=0.01, target_corners=100, reference="constant")
     model = StreamModel(parameters)
@@ -204,7 +207,8 @@ def test_the_budget_must_be_built() -> None:
 @pytest.mark.parametrize("name", ["camera", "brick", "coins"])
 def test_float_reference(name: str) -> None:
     """Which takes the target's largest, without a histogram, and suppresses within the same radius."""
-    # rounded gradients, which the reference has not, decide which of some corners are among the largest
+    # rounded gradients, which the reference has not, decide which of some corners are among the
+    # largest
     parameters = Parameters.profile("robust", budget=True, suppression=3, derivative="central")
     settings = Settings.default(parameters, target_corners=80)
     image = photograph(name)
@@ -268,7 +272,9 @@ def test_a_target_comes_before_a_rank_and_a_given_reference_before_both() -> Non
 
 
 def test_smoothing_follows_slowly() -> None:
-    """A lamp at full and at half light by turns: each frame's threshold is the other's, or an average."""
+    """A lamp at full and at half light by turns: each frame's threshold is the other's, or an
+    average.
+    """
     bright = photograph("coins")
     scenes = [bright, bright // 2] * 8
     spread, t1 = {}, {}

@@ -135,7 +135,8 @@ def test_csv_of_the_reference_keeps_fractions_of_responses() -> None:
     [(0, [0, 1, 2, 3, 4]), (3, [0, 1, 2, 3, 4]), (3.001, [0, 2, 3, 4]), (5.001, [0, 2, 3]), (99, [2, 3])],
 )
 def test_weaker_ones_near_by_go(distance: float, left: list[int]) -> None:
-    # a row 3, 3, 0 and 5 pixels apart; the fourth is a rejected one, as strong as any, in the third's place
+    # a row 3, 3, 0 and 5 pixels apart; the fourth is a rejected one, as strong as any, in the
+    # third's place
     row = corners(
         (10, 9, 50, True), (13, 9, 40, True), (16, 9, 60, True), (16, 9, 99, False), (21, 9, 50, True)
     )
@@ -176,7 +177,9 @@ def test_distance_is_a_number(distance: Any) -> None:
 
 
 def test_refined_corners_come_nearer_than_their_peaks() -> None:
-    """Two dark squares, the corners of which are at (23.5, 23.5) and (23.5, 26.5), in a white strip of three rows."""
+    """Two dark squares, the corners of which are at (23.5, 23.5) and (23.5, 26.5), in a white strip
+    of three rows.
+    """
     image = np.full((48, 48), 255, np.uint8)
     image[10:24, 10:24] = image[27:38, 24:38] = 0
     found = detect(image, Parameters.profile("robust", suppression=3))

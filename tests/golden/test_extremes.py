@@ -91,7 +91,8 @@ def test_every_intermediate_keeps_its_width(pixel_bits: int, gradient: Gradient)
 
 @pytest.mark.parametrize("gradient", GRADIENTS)
 def test_clamp_of_the_response_is_reached_and_by_one_unit_only(gradient: Gradient) -> None:
-    # it takes small A and B that rounding makes smaller, and C larger: faint dots, few and far between
+    # it takes small A and B that rounding makes smaller, and C larger: faint dots, few and far
+    # between
     rng = np.random.default_rng(1)
     dots = (rng.random((300, 300)) < 0.1) * rng.integers(1, 4, (300, 300))
     image = dots.astype(np.uint8)
@@ -104,7 +105,9 @@ def test_clamp_of_the_response_is_reached_and_by_one_unit_only(gradient: Gradien
 
 @pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
 def test_full_scale_of_absolute_gradients_is_half_of_all_products(pixel_bits: int) -> None:
-    """Tensors of every pair of gradients that smoothing may see, mixed at random: the half without C is most."""
+    """Tensors of every pair of gradients that smoothing may see, mixed at random: the half without
+    C is most.
+    """
     parameters = Parameters.profile("paper", pixel_bits=pixel_bits)
     top = parameters.pixel_max
     rng = np.random.default_rng(pixel_bits)
@@ -123,7 +126,8 @@ def test_full_scale_of_absolute_gradients_is_half_of_all_products(pixel_bits: in
 
 @pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
 def test_full_scale_of_the_response_needs_its_top_bit(pixel_bits: int) -> None:
-    # both gradients at full scale everywhere and their products' signs in balance: D comes close to A + B
+    # both gradients at full scale everywhere and their products' signs in balance: D comes close to
+    # A + B
     parameters = Parameters.profile("paper", pixel_bits=pixel_bits, gradient="signed")
     largest_response = max(int(response_map(image, parameters).max()) for _, image in extremes(pixel_bits))
     assert largest_response.bit_length() == parameters.response_bits
@@ -148,7 +152,9 @@ def test_records_of_extreme_images(pixel_bits: int, name: str) -> None:
 @pytest.mark.parametrize("fit", ["nine", "six"])
 @pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
 def test_every_number_of_the_subpixel_refinement_keeps_its_width(pixel_bits: int, fit: Fit) -> None:
-    """Of the responses around any pixel, corner or not, and of random ones at both ends of their range."""
+    """Of the responses around any pixel, corner or not, and of random ones at both ends of their
+    range.
+    """
     parameters = Parameters.profile("paper", pixel_bits=pixel_bits, gradient="signed", fit=fit)
     patches = [np.random.default_rng(1).integers(0, 2, (5000, 3, 3)) * parameters.response_max]
     for _, image in extremes(pixel_bits):

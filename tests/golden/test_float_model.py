@@ -1,8 +1,9 @@
 """The float reference by hand, and how far rounding takes the golden model from it.
 
-Where the bounds come from: smoothing rounds A, B and C by at most 1/2 each, which moves
-(A + B) - sqrt((A - B)² + 4C²) by at most 2 (the worst case is A and B both off by 1/2, and the root by 1);
-the floor square root then adds less than 1. So -2 <= D - D_float < 3, and D's errors spread over less than 5.
+Where the bounds come from: smoothing rounds A, B and C by at most 1/2 each, which moves (A + B) -
+sqrt((A - B)² + 4C²) by at most 2 (the worst case is A and B both off by 1/2, and the root by 1);
+the floor square root then adds less than 1. So -2 <= D - D_float < 3, and D's errors spread over
+less than 5.
 """
 
 from __future__ import annotations
@@ -69,7 +70,9 @@ def test_maps_are_undefined_at_the_edges_only() -> None:
 
 
 def test_edges_at_45_degrees() -> None:
-    """A = 48, B = 64, C = 48 or 0, as the golden model's test works out, but with the root unrounded."""
+    """A = 48, B = 64, C = 48 or 0, as the golden model's test works out, but with the root
+    unrounded.
+    """
     y, x = np.mgrid[-10:11, -10:11]
     image = (60 + 4 * (y + np.abs(x))).astype(np.uint8)
     assert float_model.response_map(image, "absolute")[10, 10] == pytest.approx(112 - np.sqrt(16**2 + 96**2))
@@ -129,7 +132,8 @@ def test_response_is_within_rounding_for_wide_pixels(
 
 
 def offset_bound(samples: NDArray[np.float64]) -> float:
-    """How far the nine-point peak can move when each sample moves by less than SPREAD, up to a constant.
+    """How far the nine-point peak can move when each sample moves by less than SPREAD, up to a
+    constant.
 
     With gradient g, Hessian H and peak p of the moved surface, H'(p' - p) = -(dg + dH p). Each sample is off
     by 5/2 at most once the constant is taken away, so |dg| <= sqrt(2)·5/2 by its coefficients 1/6,
@@ -162,7 +166,9 @@ class Pair:
     """Where golden model and reference see a corner: maps of the image's size."""
 
     def both(self) -> Iterator[tuple[int, int, int, int]]:
-        """y and x of each common corner, and its indices in ``golden`` and ``floating``, in raster order."""
+        """y and x of each common corner, and its indices in ``golden`` and ``floating``, in raster
+        order.
+        """
         in_golden, in_floating = (
             mask.cumsum().reshape(mask.shape) - 1 for mask in (self.found, self.expected)
         )

@@ -42,7 +42,8 @@ def bits(word: int, high: int, low: int) -> int:
 
 def test_by_hand() -> None:
     word = record(x=9, y=8, response=0x1ABCD, dx=-64, dy=33, clamped=True)
-    # x = 9 - 1/2 = 1088/128 = 0x00440, y = 8 + 33/128 = 1057/128 = 0x00421, bit 61 set, D in bits 60:40
+    # x = 9 - 1/2 = 1088/128 = 0x00440, y = 8 + 33/128 = 1057/128 = 0x00421, bit 61 set, D in bits
+    # 60:40
     assert word == 0b001 << 61 | 0x1ABCD << 40 | 0x00421 << 20 | 0x00440
 
 

@@ -78,7 +78,8 @@ def test_flat_window_has_no_texture(patches: Patches) -> None:
 
 def test_ramp() -> None:
     ramp = np.tile(np.arange(9), (9, 1))
-    # from patch to patch every pixel lies one step further out: 4 regions, 2 differences of 1 per pixel
+    # from patch to patch every pixel lies one step further out: 4 regions, 2 differences of 1 per
+    # pixel
     assert tau(ramp, "pixels") == 8
     assert tau(ramp, "regions") == 72
     assert tau(10 * ramp.T, "regions") == 720

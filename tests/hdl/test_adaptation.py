@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""Adaptation: T1 read off the histogram of any frames, one after the other, at the earliest and later."""
+"""Adaptation: T1 read off the histogram of any frames, one after the other, at the earliest and
+later.
+"""
 
 from __future__ import annotations
 
@@ -49,8 +51,8 @@ def simulate(
 ) -> list[Adapted]:
     """What is known after reset, and after each frame.
 
-    Corners come two clocks apart, the last one together with the frame's end and the next frame's first as soon as
-    the block is not busy; with a ``seed`` all of that a random time later.
+    Corners come two clocks apart, the last one together with the frame's end and the next frame's
+    first as soon as the block is not busy; with a ``seed`` all of that a random time later.
     """
     dut = Adaptation(parameters)
     rng = np.random.default_rng(seed)
@@ -124,7 +126,9 @@ def test_every_edge(parameters: Parameters) -> None:
 @pytest.mark.parametrize("parameters", PARAMETERS, ids=IDS)
 @pytest.mark.parametrize("seed", [None, 1])
 def test_noise(parameters: Parameters, seed: int | None) -> None:
-    """Of every size, so that bins repeat at once and later; frames of no corner and without a target between."""
+    """Of every size, so that bins repeat at once and later; frames of no corner and without a
+    target between.
+    """
     rng = np.random.default_rng(7)
     frames: list[Frame] = []
     for target in (0, 5, 100, 0, 300, 1, 65535, 40):
@@ -149,7 +153,9 @@ def test_any_frames(data: st.DataObject) -> None:
 
 @pytest.mark.parametrize("smoothing", [1, 2, 3])
 def test_smoothing(smoothing: int) -> None:
-    """Up and down between two scenes; a first frame is taken as it is, also behind one without a target."""
+    """Up and down between two scenes; a first frame is taken as it is, also behind one without a
+    target.
+    """
     p = PARAMETERS[1]
     bright, dark = np.array([p.response_max, 90_000, 500]), np.array([700, 300, 8])
     frames = [(scene, target) for target in (2, 0, 2) for scene in (dark, bright, bright, dark, dark)]

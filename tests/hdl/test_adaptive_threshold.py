@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""Adaptive threshold: S less the weighted local level against T1, with and without the response filter."""
+"""Adaptive threshold: S less the weighted local level against T1, with and without the response
+filter.
+"""
 
 from __future__ import annotations
 
@@ -133,7 +135,9 @@ def check(
 
 
 def between(frame: Array, kind: ResponseFilter, weight: int) -> int:
-    """A T that occurs in the frame, where it is not negative in the middle of them all: the comparison is exact."""
+    """A T that occurs in the frame, where it is not negative in the middle of them all: the
+    comparison is exact.
+    """
     left = np.sort(prominence(*peaks_and_windows(frame, kind), weight), axis=None)
     return max(0, int(left[3 * len(left) // 4]))
 
@@ -171,7 +175,9 @@ def test_around_every_value_that_is_left(kind: ResponseFilter, weight: int) -> N
 
 @both
 def test_every_place_of_the_window(kind: ResponseFilter) -> None:
-    """A lone response in each of the 81 places counts once, also where the window before and after has it."""
+    """A lone response in each of the 81 places counts once, also where the window before and after
+    has it.
+    """
     frames = []
     for place in range(81):
         lone = np.where(np.arange(81).reshape(9, 9) == place, FULL, 0)
@@ -191,7 +197,9 @@ def test_extremes(kind: ResponseFilter, pixel_bits: int) -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """1000 in the middle, 5400 elsewhere: L = 100. With a weight of 4 eighths 950 is left, which is not above 950."""
+    """1000 in the middle, 5400 elsewhere: L = 100. With a weight of 4 eighths 950 is left, which is
+    not above 950.
+    """
     frame = np.zeros((9, 9), np.int64)
     frame[4, 4], frame[0, 8] = 1000, 5400
     capture = check("none", [frame] * 4, [(950, 4), (950, 4), (949, 4), (999, 0)], name)
@@ -206,7 +214,9 @@ def test_by_hand(name: EngineName) -> None:
 def test_each_result_has_its_own_frames_threshold(
     kind: ResponseFilter, name: EngineName, stalls: Stalls
 ) -> None:
-    """Frames of one window, back to back: neither the next T1 nor the next weight must come too soon."""
+    """Frames of one window, back to back: neither the next T1 nor the next weight must come too
+    soon.
+    """
     frames = noise([(9, 9)] * 12, FULL, 5)
     check(kind, frames, [(0, 0), (FULL, 0), (0, 15), (0, 1)] * 3, name, stalls)
 

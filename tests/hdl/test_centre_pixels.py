@@ -28,7 +28,9 @@ BEAT = Beat(data.StructLayout({"a": products_layout(Build.profile("paper"))["a"]
 
 
 class Beside(wiring.Component):
-    """Centre pixels beside preprocessing and convolution; of these only A, to see that all keep together."""
+    """Centre pixels beside preprocessing and convolution; of these only A, to see that all keep
+    together.
+    """
 
     def __init__(self) -> None:
         super().__init__(

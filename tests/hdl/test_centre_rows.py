@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""Centre rows: the middle rows of nine, three columns late, without the columns that no window is centred next to."""
+"""Centre rows: the middle rows of nine, three columns late, without the columns that no window is
+centred next to.
+"""
 
 from __future__ import annotations
 

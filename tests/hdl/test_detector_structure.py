@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""What the detector is made of: latencies that fit each other, no multiplier, and what cannot be built."""
+"""What the detector is made of: latencies that fit each other, no multiplier, and what cannot be
+built.
+"""
 
 from __future__ import annotations
 

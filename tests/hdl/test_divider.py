@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""Divider: every pair of narrow operands, wide ones around every step of the result, and clocks between the bits."""
+"""Divider: every pair of narrow operands, wide ones around every step of the result, and clocks
+between the bits.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ Int64 = NDArray[np.int64]
 
 
 class Dividing(wiring.Component):
-    """The divider as a stream: one quotient after the other, a bit in every clock that the sink is ready."""
+    """The divider as a stream: one quotient after the other, a bit in every clock that the sink is
+    ready.
+    """
 
     latency = QUOTIENT_BITS + 1
 
@@ -85,7 +89,9 @@ def check(
 
 
 def operands(bits: int, count: int, seed: int = 0) -> tuple[Int64, Int64]:
-    """Divisors of every length; dividends below, around and far above their half, and around every step."""
+    """Divisors of every length; dividends below, around and far above their half, and around every
+    step.
+    """
     rng = np.random.default_rng([bits, seed])
     length = rng.integers(1, bits + 1, count)
     denominator = (1 << (length - 1)) + rng.integers(0, 1 << (length - 1))

@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""Normal equations of the gradient step against the golden model, behind preprocessing, every pixel width."""
+"""Normal equations of the gradient step against the golden model, behind preprocessing, every pixel
+width.
+"""
 
 from __future__ import annotations
 
@@ -98,7 +100,9 @@ def test_photograph() -> None:
 
 
 def test_formats_hold_what_the_formulas_can_give() -> None:
-    """The bound of x and of y is reached with gradients that all point away from, or to, the lines u = ±v."""
+    """The bound of x and of y is reached with gradients that all point away from, or to, the lines
+    u = ±v.
+    """
     u, v = np.meshgrid(np.arange(-3, 4), np.arange(-3, 4))
     assert int((np.abs(u) + np.abs(v)).sum()) == LARGEST
     assert largest(STEP).bit_length() == derivative_bits(STEP)

@@ -26,7 +26,9 @@ WIDEST = 21
 
 
 class Roots(wiring.Component):
-    """Square roots of many shapes on the low bits of one radicand, in step, so that one compilation does."""
+    """Square roots of many shapes on the low bits of one radicand, in step, so that one compilation
+    does.
+    """
 
     latency = WIDEST
 

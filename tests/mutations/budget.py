@@ -1,4 +1,6 @@
-"""Deliberate faults in suppression, limit and target: file, text, what takes its place, tests, and which of them."""
+"""Deliberate faults in suppression, limit and target: file, text, what takes its place, tests, and
+which of them.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Deliberate faults in what is around the detector: file, text, what takes its place, tests, and which of them."""
+"""Deliberate faults in what is around the detector: file, text, what takes its place, tests, and
+which of them.
+"""
 
 from __future__ import annotations
 

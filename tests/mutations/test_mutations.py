@@ -1,4 +1,6 @@
-"""Does the suite notice? One line of a copy of the sources is made wrong, and the tests of that place must fail."""
+"""Does the suite notice? One line of a copy of the sources is made wrong, and the tests of that
+place must fail.
+"""
 
 from __future__ import annotations
 
@@ -355,14 +357,17 @@ MUTATIONS = {
 def copy_sources(folder: Path) -> None:
     for name in COPIED:
         if (ROOT / name).is_dir():
-            # with what Python has compiled, which takes longer than most of these tests; not with what it just writes
+            # with what Python has compiled, which takes longer than most of these tests; not with
+            # what it just writes
             shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("*.pyc.*"))
         else:
             shutil.copy(ROOT / name, folder / name)
 
 
 def change(path: Path, text: str) -> None:
-    """Make a source another one, whatever time it is and however long: what was compiled of it goes."""
+    """Make a source another one, whatever time it is and however long: what was compiled of it
+    goes.
+    """
     path.write_text(text, encoding="utf-8")
     for compiled in path.parent.glob(f"__pycache__/{path.stem}.*"):
         compiled.unlink()

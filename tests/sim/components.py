@@ -1,4 +1,6 @@
-"""Small components that exercise the engines: well-behaved ones, and some that are broken on purpose."""
+"""Small components that exercise the engines: well-behaved ones, and some that are broken on
+purpose.
+"""
 
 from __future__ import annotations
 
@@ -154,7 +156,9 @@ class Generator(wiring.Component):
 
 
 class Impatient(wiring.Component):
-    """Breaks the rules: with ``change`` it alters a waiting payload, without it withdraws valid after a clock."""
+    """Breaks the rules: with ``change`` it alters a waiting payload, without it withdraws valid
+    after a clock.
+    """
 
     def __init__(self) -> None:
         super().__init__(

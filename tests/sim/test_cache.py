@@ -1,4 +1,6 @@
-"""Where simulators are kept: whose folder, that a damaged one is built anew, and that builders do not meet."""
+"""Where simulators are kept: whose folder, that a damaged one is built anew, and that builders do
+not meet.
+"""
 
 from __future__ import annotations
 

@@ -160,7 +160,8 @@ def test_broken_stream_rules_are_found(engine_for: EngineFor, kind: EngineName, 
     with pytest.raises(StreamError) as caught:
         engine_for(kind, "impatient").run(stimulus)
     pauses = stimulus.stalls.patterns(engine_for(kind, "impatient").ports)[1][0]
-    # a beat is offered from clock 1 on; the first one to meet a pause is found missing or changed one clock later
+    # a beat is offered from clock 1 on; the first one to meet a pause is found missing or changed
+    # one clock later
     clock = 1 + int(np.flatnonzero(pauses[1:])[0]) + 1
     held = (clock - 1) << 60
     what = f"changed the payload from {held:#x} to {held + 1:#x}" if change else "withdrew valid"

@@ -40,7 +40,9 @@ def images(*sizes: tuple[int, int]) -> list[np.ndarray]:
 
 
 class Paper:
-    """Engine that answers every stimulus with given records, one per clock, and takes a pixel per clock."""
+    """Engine that answers every stimulus with given records, one per clock, and takes a pixel per
+    clock.
+    """
 
     name = "paper"
     ports = Ports((), (), ())

@@ -1,5 +1,6 @@
 # amaranth: UnusedElaboratable=no
-"""What the tests of the hardware blocks share: packing, rasters, running a block, and what every block keeps.
+"""What the tests of the hardware blocks share: packing, rasters, running a block, and what every
+block keeps.
 
 A block's stimulus and its expected outputs are dictionaries from stream name to beats, as
 :class:`sim.stimulus.Stimulus` takes them.
@@ -34,7 +35,8 @@ STALLS = {
     "starved": Stalls(inputs=0.9, seed=14),
     "clogged": Stalls(outputs=0.95, seed=15),
 }
-# Amaranth's simulator is a thousand times slower: one pattern that has everything, and the one for the clocks
+# Amaranth's simulator is a thousand times slower: one pattern that has everything, and the one for
+# the clocks
 RUNS = [
     *(("compiled", stalls) for stalls in STALLS.values()),
     ("amaranth", STALLS["unstalled"]),
@@ -73,8 +75,8 @@ def _element(value: Any, k: int) -> Any:
 def pack(shape: Any, value: Any) -> Words:
     """Payloads of ``shape``, least significant field first.
 
-    ``value``: per field of a struct an entry of a dictionary, per level of an array one more axis after the
-    first, which counts the beats. Every value must fit its field.
+    ``value``: per field of a struct an entry of a dictionary, per level of an array one more axis
+    after the first, which counts the beats. Every value must fit its field.
     """
     bits = max(1, Shape.cast(shape).width)
     words: Words | None = None
@@ -115,7 +117,9 @@ def unpack(shape: Any, words: Words, at: int = 0) -> Any:
 
 
 def tags(sizes: list[Size]) -> dict[str, Array]:
-    """``eol`` and ``eof`` of frames of these (height, width), one after the other; empty ones have no beats."""
+    """``eol`` and ``eof`` of frames of these (height, width), one after the other; empty ones have
+    no beats.
+    """
     eol, eof = [], []
     for height, width in sizes:
         ends = np.zeros((max(height, 0), max(width, 0)), np.int64)
@@ -128,7 +132,9 @@ def tags(sizes: list[Size]) -> dict[str, Array]:
 
 
 def raster(frames: list[Array]) -> dict[str, Any]:
-    """Fields of a ``Beat`` for each value of these (height, width, ...) frames, one after the other."""
+    """Fields of a ``Beat`` for each value of these (height, width, ...) frames, one after the
+    other.
+    """
     values = [frame.reshape(-1, *frame.shape[2:]) for frame in frames]
     return {"data": np.concatenate(values), **tags([frame.shape[:2] for frame in frames])}
 
@@ -145,7 +151,9 @@ def columns(frames: list[Array], rows: int) -> dict[str, Any]:
 
 
 def completing(sizes: list[Size], window: int) -> Array:
-    """Numbers of the beats, of frames of these sizes, with which a window of so many columns is complete."""
+    """Numbers of the beats, of frames of these sizes, with which a window of so many columns is
+    complete.
+    """
     numbers, start = [], 0
     for height, width in sizes:
         frame = start + np.arange(height * width).reshape(height, width)
@@ -163,7 +171,9 @@ def noise(
 
 
 def extremes(size: Size, largest: int, smallest: int = 0, dtype: type = np.int64) -> list[Array]:
-    """Frames of nothing but the two bounds: flat, checkerboards, stripes both ways, coin tosses, lone values."""
+    """Frames of nothing but the two bounds: flat, checkerboards, stripes both ways, coin tosses,
+    lone values.
+    """
     y, x = np.mgrid[: size[0], : size[1]]
     choices = [0 * x, 0 * x + 1]
     choices += [(x // n + y // n) % 2 for n in (1, 2, 3)]
@@ -185,7 +195,8 @@ def run(
     levels: list[tuple[int, dict[str, int]]] | None = None,
     clocks: int = 1,
 ) -> Capture:
-    """Run and compare every output stream with what is expected, beat by beat, and that all inputs were taken.
+    """Run and compare every output stream with what is expected, beat by beat, and that all inputs
+    were taken.
 
     ``clocks``: how many the block needs for a beat.
     """
@@ -217,7 +228,9 @@ def _hex(word: Any) -> str:
 
 
 def latency(capture: Capture, beats: Array | None = None, *, i: str = "i", o: str = "o") -> Array:
-    """Clocks from input to output beat; ``beats`` are the inputs' numbers that the outputs belong to."""
+    """Clocks from input to output beat; ``beats`` are the inputs' numbers that the outputs belong
+    to.
+    """
     accepted = capture.input_clocks[i]
     return capture.output_clocks[o] - (accepted if beats is None else accepted[beats])
 
@@ -231,7 +244,9 @@ def assert_timing(
     o: str = "o",
     clocks: int = 1,
 ) -> None:
-    """Every output beat exactly so long after its input beat; an input beat every ``clocks`` clocks."""
+    """Every output beat exactly so long after its input beat; an input beat every ``clocks``
+    clocks.
+    """
     got = latency(capture, beats, i=i, o=o)
     assert len(got) and (got == expected).all(), f"latency {got.min()} to {got.max()}, expected {expected}"
     steps = np.diff(capture.input_clocks[i])

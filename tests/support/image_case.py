@@ -25,8 +25,8 @@ USED, NORMALIZED, REFUSED = "yes", "N", "no"
 class Case:
     """One file.
 
-    ``grey`` are the right numbers, upright and of ``bits``, within ``within``; ``make`` takes what the format's
-    writer takes beyond the picture, such as ``orientation``.
+    ``grey`` are the right numbers, upright and of ``bits``, within ``within``; ``make`` takes what
+    the format's writer takes beyond the picture, such as ``orientation``.
     """
 
     format: str

@@ -22,7 +22,8 @@ UNSIGNED, SIGNED, FLOAT = 1, 2, 3
 
 
 def packed(samples: Samples, bits: int, order: str = ">") -> bytes:
-    """Rows of samples, each beginning at a whole byte; ``order`` is that of the bytes of whole-byte samples.
+    """Rows of samples, each beginning at a whole byte; ``order`` is that of the bytes of whole-byte
+    samples.
 
     ``samples`` is (height, samples per row).
     """
@@ -39,7 +40,9 @@ def chunk(kind: bytes, content: bytes) -> bytes:
 
 
 def png(samples: Samples, bits: int, colour: int = GREY, before: bytes = b"", after: bytes = b"") -> bytes:
-    """PNG of (height, width[, channels]) samples; ``before`` and ``after`` are chunks around the pixels'."""
+    """PNG of (height, width[, channels]) samples; ``before`` and ``after`` are chunks around the
+    pixels'.
+    """
     height, width = samples.shape[:2]
     rows = packed(samples.reshape(height, -1).astype(np.uint16 if bits == 16 else np.uint8), bits)
     stride = len(rows) // height
@@ -70,8 +73,8 @@ def tiff(
 ) -> bytes:
     """TIFF of (height, width[, channels]) samples, the pixels behind the directory.
 
-    ``number`` is the sample format; ``extra`` what the samples beyond the colour's are; ``palette`` all reds,
-    greens and blues, 16 bits each.
+    ``number`` is the sample format; ``extra`` what the samples beyond the colour's are; ``palette``
+    all reds, greens and blues, 16 bits each.
     """
     samples = samples.reshape(*samples.shape[:2], -1)
     height, width, channels = samples.shape
@@ -107,7 +110,8 @@ def tiff(
     tags[273] = [pixels + sum(map(len, parts[:number_])) for number_ in range(len(parts))]
     entries, beyond = b"", b""
     for tag, values in sorted(tags.items()):
-        # numbers of 16 bits and of 32 are both allowed in sizes and offsets; those of bits and palette are 16
+        # numbers of 16 bits and of 32 are both allowed in sizes and offsets; those of bits and
+        # palette are 16
         kind, letter = (4, "I") if tag in (256, 257, 273, 278, 279) else (3, "H")
         content = struct.pack(f"{order}{len(values)}{letter}", *values)
         if len(content) > 4:
@@ -149,7 +153,8 @@ def by_pillow(image: Image.Image | Samples, kind: str, **options: Any) -> bytes:
 def bmp(rows: bytes, size: tuple[int, int], bits: int, palette: list[int], masks: bytes = b"") -> bytes:
     """BMP, not compressed; ``rows`` from the lowest one up, of a multiple of 4 bytes each.
 
-    ``palette`` is of greys; ``masks`` are those of red, green and blue, where 16 bits hold all three.
+    ``palette`` is of greys; ``masks`` are those of red, green and blue, where 16 bits hold all
+    three.
     """
     colours = b"".join(bytes((level, level, level, 0)) for level in palette)
     place = 14 + 40 + len(masks) + len(colours)

@@ -1,4 +1,6 @@
-"""Made-up netlists of Cyclone IV's cells: building them, evaluating them, and packing them with both at hand."""
+"""Made-up netlists of Cyclone IV's cells: building them, evaluating them, and packing them with
+both at hand.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +53,9 @@ class Netlist:
         return output
 
     def chained(self, total: int, carry: int, a: Any, b: Any, cin: Any) -> tuple[int, int]:
-        """In arithmetic mode; tables of inputs a, b and carry in. Returns the sum's net and the carry's."""
+        """In arithmetic mode; tables of inputs a, b and carry in. Returns the sum's net and the
+        carry's.
+        """
         output, onward = self.net(), self.net()
         mode = "cin"
         if isinstance(cin, str):
@@ -95,7 +99,9 @@ def tables_of(module: dict[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def evaluator(module: dict[str, Any], values: dict[Any, int]) -> Callable[[Any], int]:
-    """Values of nets, by the model in cells.v; ``values`` are those of the nets that no table drives."""
+    """Values of nets, by the model in cells.v; ``values`` are those of the nets that no table
+    drives.
+    """
     drivers = {
         net: (cell, port)
         for cell in tables_of(module).values()
@@ -129,7 +135,9 @@ def observed(module: dict[str, Any]) -> list[int]:
 
 
 def assert_possible(module: dict[str, Any]) -> None:
-    """Every cell is one of the device's: in chains two data inputs, a carry only to the next cell of its chain."""
+    """Every cell is one of the device's: in chains two data inputs, a carry only to the next cell
+    of its chain.
+    """
     readers: dict[Any, list[tuple[str, str]]] = {}
     for name, cell in module["cells"].items():
         for port, (net,) in cell["connections"].items():

@@ -1,9 +1,11 @@
-"""Offsets in exact arithmetic, of surfaces' peaks and of gradient steps, and how far the golden mantissas may lead.
+"""Offsets in exact arithmetic, of surfaces' peaks and of gradient steps, and how far the golden
+mantissas may lead.
 
-Mantissas are whole numbers: each stands for a value less than one above it, so that a Hessian H = [[xx, -xy],
-[-xy, yy]] of mantissas is off by E with norm 2 at most, and slopes by e with norm sqrt(2). With q the peak by H and p
-the exact one, H (q - p) = E p - e, and so |q - p| <= (sqrt(2) + 2 |p|) / l with l the smaller eigenvalue of H. Values
-of as many bits or less are not cut, and exact. The quotient is rounded to 1/128.
+Mantissas are whole numbers: each stands for a value less than one above it, so that a Hessian H =
+[[xx, -xy], [-xy, yy]] of mantissas is off by E with norm 2 at most, and slopes by e with norm
+sqrt(2). With q the peak by H and p the exact one, H (q - p) = E p - e, and so |q - p| <= (sqrt(2) +
+2 |p|) / l with l the smaller eigenvalue of H. Values of as many bits or less are not cut, and
+exact. The quotient is rounded to 1/128.
 """
 
 from __future__ import annotations
@@ -24,7 +26,9 @@ Int64 = NDArray[np.int64]
 
 
 class Peaks(NamedTuple):
-    """Offsets of many candidates: (0, 0) where there is no maximum, else clamped to the limit along each axis."""
+    """Offsets of many candidates: (0, 0) where there is no maximum, else clamped to the limit along
+    each axis.
+    """
 
     dx: Float64
     dy: Float64
@@ -44,7 +48,9 @@ def exact_offsets(values: Derivatives[Int64], parameters: Parameters) -> Peaks:
 
 
 def bounds(patches: IntArray, parameters: Parameters) -> Float64:
-    """How far the golden model's offset may be from the exact one, along either axis; inf if no maximum is sure."""
+    """How far the golden model's offset may be from the exact one, along either axis; inf if no
+    maximum is sure.
+    """
     return offset_bounds(derivatives(FITS[parameters.algorithm.fit](patches)), parameters)
 
 

@@ -1,4 +1,6 @@
-"""Rendered corners are where they are said to be, by ways that have nothing to do with how they are rendered."""
+"""Rendered corners are where they are said to be, by ways that have nothing to do with how they are
+rendered.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ from evaluation.inputs.scenes import (
 )
 
 POSITION_ERROR = {"L": 0.02, "saddle": 0.02, "T": 0.05, "X": 0.05}
-"""Of the positions below, in pixels: grey levels are whole numbers, and some edges have half the contrast."""
+"""Of the positions below, in pixels: grey levels are whole numbers, and some edges have half the
+contrast.
+"""
 
 
 def edge(profile: NDArray[np.float64]) -> float:

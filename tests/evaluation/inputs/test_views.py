@@ -37,7 +37,8 @@ def test_the_homography_says_where_things_went(view: View) -> None:
     checked = 0
     for down in range(60, 300, 60):
         for across in range(60, 400, 60):
-            # pixel centres are at whole numbers in the photograph and in the view, at 0.7 of the size
+            # pixel centres are at whole numbers in the photograph and in the view, at 0.7 of the
+            # size
             there = np.array([(across + 0.3 + 0.5) * 0.7 - 0.5, (down + 0.5) * 0.7 - 0.5])
             (expected,) = project(there[None], pair.homography)
             height, width = pair.second.shape

@@ -1,4 +1,6 @@
-"""``cornerstream eval --quick`` as it is, on what the packages ship: the figures that profile robust is there for."""
+"""``cornerstream eval --quick`` as it is, on what the packages ship: the figures that profile
+robust is there for.
+"""
 
 from __future__ import annotations
 

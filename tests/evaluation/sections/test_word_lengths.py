@@ -1,4 +1,6 @@
-"""Word lengths: nothing cut changes nothing, fewer bits cost accuracy and save area, and the page says so."""
+"""Word lengths: nothing cut changes nothing, fewer bits cost accuracy and save area, and the page
+says so.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The mapped netlist runs, in an independent simulator, on a photograph: every record is the golden model's."""
+"""The mapped netlist runs, in an independent simulator, on a photograph: every record is the golden
+model's.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,8 @@ def test_netlist_is_bit_exact_on_a_photograph(
     path.write_text(gate_level_verilog(synthesis))
     engine = make_engine("verilog", Detector(parameters), verilog=path, cache=path.parent)
     region = photograph("camera")[200 : 200 + HEIGHT, 150 : 150 + WIDTH]
-    # back to back, so that the second frame's thresholds come from the first; then one of another size
+    # back to back, so that the second frame's thresholds come from the first; then one of another
+    # size
     frames = [(region, SETTINGS), (region, SETTINGS), (region[:50, 20:91], SETTINGS)]
     model = StreamModel(parameters)
     expected = [model.process(*frame).records for frame in frames]

@@ -1,4 +1,6 @@
-"""The video detector with inputs that the simulation's engines can drive, and its packets sorted out again."""
+"""The video detector with inputs that the simulation's engines can drive, and its packets sorted
+out again.
+"""
 
 from __future__ import annotations
 

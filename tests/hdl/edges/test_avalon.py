@@ -33,7 +33,9 @@ ADDRESSES = {register.name: register.address >> 2 for register in register_map(P
 
 
 class PlainAvalonCore(wiring.Component):
-    """``AvalonCore`` with streams that the simulation's engines can drive; registers stay as they are."""
+    """``AvalonCore`` with streams that the simulation's engines can drive; registers stay as they
+    are.
+    """
 
     def __init__(self, parameters: Parameters) -> None:
         self.dut = AvalonCore(parameters)

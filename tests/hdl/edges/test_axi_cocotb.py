@@ -1,4 +1,5 @@
-"""The core with AXI edges as it ships: its Verilog, tried by others' bus models, against the golden model.
+"""The core with AXI edges as it ships: its Verilog, tried by others' bus models, against the golden
+model.
 
 A short part runs with all tests; ``make verify`` runs everything, for each of ``BUILDS``.
 """
@@ -43,7 +44,9 @@ LARGE = {
     "paper-banked-video-large": Build.profile("paper", video_out=True, max_width=256, max_height=192),
     "robust-lean-video-large": Build.profile("robust", video_out=True, max_width=256, max_height=192),
 }
-"""For photographs that show something; and so wide that what is held back is rows, and not what there is to spare."""
+"""For photographs that show something; and so wide that what is held back is rows, and not what
+there is to spare.
+"""
 MODULES = ("matrix", "registers", "settings", "malformed", "stress")
 ROUNDS, FRAMES = 2, 128
 SHORT: dict[str, dict[str, list[str]]] = {

@@ -1,4 +1,6 @@
-"""The core with AXI edges as it was mapped to Cyclone IV's cells, tried by the same bus models as its Verilog."""
+"""The core with AXI edges as it was mapped to Cyclone IV's cells, tried by the same bus models as
+its Verilog.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Frame guard: which pixels pass, which events it reports, and that nothing moves while a frame is cut."""
+"""Frame guard: which pixels pass, which events it reports, and that nothing moves while a frame is
+cut.
+"""
 
 from __future__ import annotations
 

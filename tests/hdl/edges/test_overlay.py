@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""The pixels passed on: the same, each in its place, and marked where the golden model finds a corner."""
+"""The pixels passed on: the same, each in its place, and marked where the golden model finds a
+corner.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""The guarded detector against its golden model: any video, any stalls, every well-formed frame exact."""
+"""The guarded detector against its golden model: any video, any stalls, every well-formed frame
+exact.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""Sums with a carry: every pair of narrow numbers, ends of wide ones, in one adder; and no multipliers anywhere."""
+"""Sums with a carry: every pair of narrow numbers, ends of wide ones, in one adder; and no
+multipliers anywhere.
+"""
 
 from __future__ import annotations
 

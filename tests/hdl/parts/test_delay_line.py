@@ -1,5 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""Delay line, in beats held back: each comes out with its own value, however long the line and whoever waits."""
+"""Delay line, in beats held back: each comes out with its own value, however long the line and
+whoever waits.
+"""
 
 from __future__ import annotations
 

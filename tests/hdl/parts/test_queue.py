@@ -27,7 +27,9 @@ def numbers(name: EngineName) -> Words:
 
 
 class Heeding(wiring.Component):
-    """A source that looks at ``room`` a clock late, and with ``twice`` has one more beat to come after each."""
+    """A source that looks at ``room`` a clock late, and with ``twice`` has one more beat to come
+    after each.
+    """
 
     def __init__(self, depth: int, twice: bool) -> None:
         self._depth = depth

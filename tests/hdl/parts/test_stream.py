@@ -56,7 +56,8 @@ def test_skid_buffer_holds_two_and_its_ready_comes_from_a_register() -> None:
             assert ctx.get(dut.i.ready) == ready
             assert not ctx.get(dut.o.valid) or ctx.get(dut.o.payload) == 100
             ctx.set(dut.o.ready, 1)
-            # a ready output must not show at the input before the next clock, nor a valid input at the output
+            # a ready output must not show at the input before the next clock, nor a valid input at
+            # the output
             assert ctx.get(dut.i.ready) == ready
             ctx.set(dut.o.ready, 0)
             assert ctx.get(dut.o.valid) == (beat > 0)
@@ -75,7 +76,9 @@ def test_skid_buffer_holds_two_and_its_ready_comes_from_a_register() -> None:
 
 
 class Permitted(wiring.Component):
-    """A pipeline of three registers that takes a beat with each permission only, and remembers earlier beats."""
+    """A pipeline of three registers that takes a beat with each permission only, and remembers
+    earlier beats.
+    """
 
     latency = 3
 
