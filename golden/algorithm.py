@@ -7,8 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from golden.checks import check_choice, plain_integer
 from golden.formats import MAX_SUPPRESSION
+from golden.options import check_options, option
 
 Gradient = Literal["absolute", "signed"]
 Derivative = Literal["central", "sobel"]
@@ -65,24 +65,40 @@ class Algorithm:
         Names the field, its value and what is allowed.
     """
 
-    gradient: Gradient = "absolute"
-    derivative: Derivative = "central"
-    response_filter: ResponseFilter = "none"
-    ties: Ties = "strict"
-    fit: Fit = "nine"
-    texture: Texture = "patches"
-    patches: Patches = "regions"
-    suppression: int = 1
+    gradient: Gradient = option(
+        "absolute", "Product of the gradients: of their sizes, as the paper has it, or with its sign."
+    )
+    derivative: Derivative = option(
+        "central",
+        "Gradients: differences of two neighbours, as the paper has it, or Sobel's, smoothed across.",
+    )
+    response_filter: ResponseFilter = option(
+        "none", "Look for peaks in the response D as it is, or smoothed by [1 2 1] / 4 in x and y."
+    )
+    ties: Ties = option(
+        "strict", "Of two equal neighbouring responses, neither is a corner, or the first is."
+    )
+    fit: Fit = option(
+        "nine",
+        "Subpixel step: a surface through nine or six responses, or along the gradients; 'printed' is the "
+        "paper's misprint (golden model only).",
+    )
+    texture: Texture = option(
+        "patches", "Texture filter: the paper's patches, or a threshold that rises with the local mean of D."
+    )
+    patches: Patches = option(
+        "regions", "Patches of the texture filter 'patches': of regions of 3x3, or of single pixels."
+    )
+    suppression: int = option(
+        1,
+        f"Peaks of the response are at least R+1 pixels apart in x or in y, 1 to {MAX_SUPPRESSION}; corners, "
+        "which are refined, may come nearer.",
+        low=1,
+        high=MAX_SUPPRESSION,
+    )
 
     def __post_init__(self) -> None:
-        check_choice("gradient", self.gradient, Gradient)
-        check_choice("derivative", self.derivative, Derivative)
-        check_choice("response_filter", self.response_filter, ResponseFilter)
-        check_choice("ties", self.ties, Ties)
-        check_choice("fit", self.fit, Fit)
-        check_choice("texture", self.texture, Texture)
-        check_choice("patches", self.patches, Patches)
-        plain_integer(self, "suppression", 1, MAX_SUPPRESSION)
+        check_options(self)
         if self.response_filter == "binomial":
             # S is known one pixel less far around a corner; a surface could not wait for more than
             # its own 3x3 of it

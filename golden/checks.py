@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from numbers import Integral, Real
-from typing import TypeGuard, get_args
+from typing import TypeGuard
 
 
 def is_whole(value: object) -> TypeGuard[int]:
@@ -28,11 +28,10 @@ def check_integer(field: str, value: object, low: int, high: int) -> None:
         raise ValueError(f"{field} is {value!r}; allowed: whole numbers from {low} to {high}")
 
 
-def check_choice(field: str, value: object, allowed: object) -> None:
-    """Raise ``ValueError`` naming the field, its value and what is allowed, unless the ``Literal``
-    lists it.
+def check_choice(field: str, value: object, choices: tuple[str, ...]) -> None:
+    """Raise ``ValueError`` naming the field, its value and what is allowed, unless it is one of the
+    choices.
     """
-    choices = get_args(allowed)
     # an array would compare itself with each of them
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{field} is {value!r}; allowed: {', '.join(choices)}")

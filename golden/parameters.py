@@ -9,8 +9,9 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Self
 
 from golden.algorithm import DEFAULT_PROFILE, PROFILES, Algorithm
-from golden.checks import check_switch, check_type, plain_integer
+from golden.checks import check_type
 from golden.formats import MAX_PIXEL_BITS, MAX_SIDE, MIN_PIXEL_BITS, SUPPORT
+from golden.options import check_options, option
 
 _ALGORITHM = frozenset(field.name for field in fields(Algorithm))
 UNMENTIONED = frozenset({"derivative", "response_filter", "texture", "suppression", "budget"})
@@ -40,17 +41,31 @@ class Parameters:
     """
 
     algorithm: Algorithm = PROFILES[DEFAULT_PROFILE]
-    pixel_bits: int = 8
-    max_width: int = 1920
-    max_height: int = 1080
-    budget: bool = False
+    pixel_bits: int = option(
+        8,
+        f"Width of a pixel, {MIN_PIXEL_BITS} to {MAX_PIXEL_BITS}.",
+        low=MIN_PIXEL_BITS,
+        high=MAX_PIXEL_BITS,
+    )
+    max_width: int = option(
+        1920,
+        "Widest frame that the hardware is built for, and the widest image that is taken.",
+        low=SUPPORT,
+        high=MAX_SIDE,
+    )
+    max_height: int = option(
+        1080,
+        "Highest frame that the hardware is built for, and the highest image that is taken.",
+        low=SUPPORT,
+        high=MAX_SIDE,
+    )
+    budget: bool = option(
+        False, "Build what the settings max_corners, target_corners, reference_rank and smoothing need."
+    )
 
     def __post_init__(self) -> None:
         check_type("algorithm", self.algorithm, Algorithm)
-        plain_integer(self, "pixel_bits", MIN_PIXEL_BITS, MAX_PIXEL_BITS)
-        plain_integer(self, "max_width", SUPPORT, MAX_SIDE)
-        plain_integer(self, "max_height", SUPPORT, MAX_SIDE)
-        check_switch("budget", self.budget)
+        check_options(self)
 
     @classmethod
     def profile(cls, name: str, **changes: Any) -> Self:

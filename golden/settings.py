@@ -5,18 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from golden.checks import check_choice, check_fraction, check_integer, check_switch, check_type, plain_integer
+from golden.checks import check_integer, check_type
 from golden.formats import (
+    BUDGET_BITS,
     BUDGET_SETTINGS,
     MAX_PIXEL_BITS,
     MEAN_WEIGHT_BITS,
     MEAN_WEIGHT_FRACTION_BITS,
     SIGMA2_INTEGER_BITS,
     SIGMA_BITS,
+    SMOOTHING_BITS,
 )
+from golden.options import check_options, option
 from golden.parameters import Parameters
 
 Reference = Literal["previous", "constant"]
+
+_LARGEST = Parameters.profile("robust", pixel_bits=MAX_PIXEL_BITS).response_max
+"""The largest D that any detector has; how large it is in one: see :meth:`Settings.check`."""
+_BUDGET_MAX = (1 << BUDGET_BITS) - 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,28 +75,46 @@ class Settings:
         Names the field, its value and what is allowed.
     """
 
-    sigma1: float = 0.05
-    sigma2: float = 0.5
-    reference: Reference = "previous"
-    constant: int = 8192
-    floor: int = 1024
-    report_rejected: bool = False
-    max_corners: int = 0
-    target_corners: int = 0
-    reference_rank: int = 0
-    smoothing: int = 0
+    sigma1: float = option(
+        0.05, "A corner has a response D above sigma1 times the reference; 0 <= sigma1 < 1.", high=1
+    )
+    sigma2: float = option(
+        0.5,
+        "With texture 'patches': a corner has a texture measure below sigma2 times the reference; 0 <= sigma2 < 16. "
+        "With texture 'mean': weight of the local mean of D, which is added to the threshold; 0, or 0.125 to 1.875, "
+        "rounded down to eighths.",
+        high=1 << SIGMA2_INTEGER_BITS,
+    )
+    reference: Reference = option(
+        "previous", "The previous frame's largest D where a corner can be, or the constant."
+    )
+    constant: int = option(
+        8192, "Reference where no previous frame counts, in units of D.", low=1, high=_LARGEST
+    )
+    floor: int = option(1024, "The reference is never below it.", low=1, high=_LARGEST)
+    report_rejected: bool = option(False, "Report the corners that the texture filter rejects, too, flagged.")
+    max_corners: int = option(
+        0, "Accepted corners per frame, at most: the first ones, row by row; 0: all.", high=_BUDGET_MAX
+    )
+    target_corners: int = option(
+        0,
+        "Corners per frame to aim at, from frame to frame, instead of sigma1; 0: none.",
+        high=_BUDGET_MAX,
+    )
+    reference_rank: int = option(
+        0,
+        "The reference is the D that so many corners of the previous frame exceed, not its largest, which one hot "
+        "pixel can set; 0: the largest.",
+        high=_BUDGET_MAX,
+    )
+    smoothing: int = option(
+        0,
+        "What a target or a rank asks for moves by 1/2**smoothing of the way from frame to frame, 0 to 3.",
+        high=(1 << SMOOTHING_BITS) - 1,
+    )
 
     def __post_init__(self) -> None:
-        check_fraction("sigma1", self.sigma1, 1, SIGMA_BITS)
-        check_fraction("sigma2", self.sigma2, 1 << SIGMA2_INTEGER_BITS, SIGMA_BITS)
-        check_choice("reference", self.reference, Reference)
-        # how large they may be depends on the detector: see check()
-        largest = Parameters.profile("robust", pixel_bits=MAX_PIXEL_BITS).response_max
-        plain_integer(self, "constant", 1, largest)
-        plain_integer(self, "floor", 1, largest)
-        check_switch("report_rejected", self.report_rejected)
-        for field, bits in BUDGET_SETTINGS.items():
-            plain_integer(self, field, 0, (1 << bits) - 1)
+        check_options(self)
 
     @classmethod
     def default(cls, parameters: Parameters, **changes: Any) -> Settings:

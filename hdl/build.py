@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal, Self
 
-from golden.checks import check_choice, check_switch, plain_integer
+from golden.options import option
 from golden.parameters import Parameters
 
 Buffering = Literal["banked", "lean"]
@@ -38,26 +38,31 @@ class Build(Parameters):
         Start enabled, with the settings of ``Settings.default`` and the largest frame, where nobody
         writes the registers. Hardware only.
 
-
     Raises
     ------
     ValueError
         Names the field, its value and what is allowed.
     """
 
-    buffering: Buffering = "lean"
-    sqrt_bits_per_stage: int = 1
-    queue_depth: int = 16
-    video_out: bool = False
-    autostart: bool = False
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_choice("buffering", self.buffering, Buffering)
-        plain_integer(self, "sqrt_bits_per_stage", 1, 17)
-        plain_integer(self, "queue_depth", 8, 1024)
-        check_switch("video_out", self.video_out)
-        check_switch("autostart", self.autostart)
+    buffering: Buffering = option(
+        "lean",
+        "Line buffers of an NxN window: N+1 memories, as the paper has it, or N-1, with less delay.",
+    )
+    sqrt_bits_per_stage: int = option(
+        1, "Result bits per pipeline stage of the square root, 1 to 17.", low=1, high=17
+    )
+    queue_depth: int = option(
+        16,
+        "Corners that can wait for the subpixel step before the input has to wait, 8 to 1024.",
+        low=8,
+        high=1024,
+    )
+    video_out: bool = option(
+        False, "Pass the pixels on, too, each with a corner flag; with the AXI edge only."
+    )
+    autostart: bool = option(
+        False, "Start enabled, for designs that write no register; with the AXI or the Avalon edge."
+    )
 
     @classmethod
     def profile(cls, name: str, **changes: Any) -> Self:

@@ -1,0 +1,87 @@
+"""Options: fields of a frozen dataclass, each with its default, what is allowed and a line of help.
+
+They are written beside the field and nowhere else: the checks, the command line and the pages are
+made from them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from functools import cache
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+
+from golden.checks import check_choice, check_fraction, check_switch, plain_integer
+from golden.formats import SIGMA_BITS
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Option:
+    """One option of a dataclass, as :func:`options` lists it.
+
+    Parameters
+    ----------
+    name, default
+        Those of the field.
+    kind
+        ``str`` (one of ``choices``), ``int``, ``float`` or ``bool``.
+    help
+        One line that needs no other to be understood.
+    choices
+        What a ``str`` may be.
+    low, high
+        An ``int`` is from ``low`` to ``high``, a ``float`` from 0 to just below ``high``.
+    """
+
+    name: str
+    default: Any
+    kind: type
+    help: str
+    choices: tuple[str, ...]
+    low: int
+    high: int
+
+    def check(self, frozen: object) -> None:
+        """Raise ``ValueError`` unless the field's value is allowed; whole numbers become Python's
+        own.
+        """
+        value = getattr(frozen, self.name)
+        if self.kind is str:
+            check_choice(self.name, value, self.choices)
+        elif self.kind is bool:
+            check_switch(self.name, value)
+        elif self.kind is float:
+            check_fraction(self.name, value, self.high, SIGMA_BITS)
+        else:
+            plain_integer(frozen, self.name, self.low, self.high)
+
+
+def option(default: T, help: str, *, low: int = 0, high: int = 0) -> T:
+    """A field that is an option; its annotation (a ``Literal``, int, float or bool) says of what
+    kind. The bounds are those of :class:`Option`.
+    """
+    return field(default=default, metadata={"help": help, "low": low, "high": high})
+
+
+@cache
+def options(owner: type) -> dict[str, Option]:
+    """The options of a dataclass by name, in the order of its fields: those of its parents first."""
+    annotations = get_type_hints(owner)
+    found: dict[str, Option] = {}
+    for each in fields(owner):
+        if "help" in each.metadata:
+            annotation = annotations[each.name]
+            choices = get_args(annotation) if get_origin(annotation) is Literal else ()
+            kind = str if choices else annotation
+            found[each.name] = Option(each.name, each.default, kind, choices=choices, **each.metadata)
+    return found
+
+
+def check_options(frozen: object) -> None:
+    """Raise ``ValueError``, naming the field, its value and what is allowed, at the first option
+    that is set to something else.
+    """
+    # the type of any object is hashable, which mypy does not see
+    for each in options(type(frozen)).values():  # type: ignore[arg-type]
+        each.check(frozen)
