@@ -63,7 +63,7 @@ export: | $(CORE)  ## build/quartus: the core with a Quartus project for Cyclone
 synth: | $(SYNTH)  ## area on Cyclone IV by block, clock frequency on ECP5 as a stand-in
 	$(BIN)/cornerstream synth $(ARGS)
 
-tables: | $(SYNTH)  ## every figure of docs/comparison.md, measured anew: half an hour and more
+tables: | $(SYNTH)  ## every figure of docs/results/comparison.md, measured anew: half an hour and more
 	$(BIN)/cornerstream tables $(ARGS)
 
 test: lint  ## ruff, mypy and all tests; options for pytest in ARGS=
@@ -75,7 +75,7 @@ lowest: $(LOWEST)/.installed  ## tests with the lowest versions that pyproject.t
 verify: | $(TEST)  ## the emitted Verilog by others' bus models, at length, and the long proofs: a quarter of an hour
 	$(BIN)/python -m pytest -m verify -n auto --dist loadgroup $(ARGS)
 
-formal: | $(FORMAL)  ## every proof of docs/formal.md, with its covers and seeded faults: some minutes
+formal: | $(FORMAL)  ## every proof of docs/explanation/formal.md, with its covers and seeded faults: some minutes
 	$(BIN)/python -m pytest -n auto -m "verify or not verify" tests/formal $(ARGS)
 
 lint: | $(TEST)  ## ruff and mypy

@@ -1,4 +1,4 @@
-"""What a run was made with, as the JSON of ``detect`` and ``simulate`` says it; docs/json.md
+"""What a run was made with, as the JSON of ``detect`` and ``simulate`` says it; docs/reference/json.md
 describes all of it.
 """
 

@@ -113,7 +113,7 @@ def evaluate(
     if (output or page_only) and importlib.util.find_spec("matplotlib") is None:
         raise BadInput("matplotlib is not installed; get it with: pip install 'cornerstream[eval]'")
     if page_only:
-        folder = output or Path("docs")
+        folder = output or Path("docs/results")
         files = read_figures(folder / FIGURES_NAME, lambda figures: _page(figures, folder))
         _write_files(files)
         console.files_written(list(files))

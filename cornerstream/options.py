@@ -269,7 +269,7 @@ json_option = click.option(
     "--json",
     "as_json",
     is_flag=True,
-    help="Print one JSON object instead of a table; docs/json.md lists its keys.",
+    help="Print one JSON object instead of a table; docs/reference/json.md lists its keys.",
 )
 
 image_argument = click.argument("image", type=GIVEN_PATH)

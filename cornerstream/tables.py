@@ -23,7 +23,9 @@ CACHE = Path("build") / "comparison"
 
 
 @click.command(short_help="The paper's tables beside our figures.")
-@output_option(None, f"Folder for {PAGE_NAME} and {FIGURES_NAME}.  [default: docs, or {CACHE} with --quick]")
+@output_option(
+    None, f"Folder for {PAGE_NAME} and {FIGURES_NAME}.  [default: docs/results, or {CACHE} with --quick]"
+)
 @click.option(
     "--page", "page_only", is_flag=True, help=f"Measure nothing: write the page from {FIGURES_NAME}."
 )
@@ -52,7 +54,7 @@ def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool
     """
     measuring = "without --page, which measures nothing"
     refuse_idle(*(Idle(name, page_only, measuring) for name in ("quick", "no_synthesis", "jobs")))
-    folder = output if output is not None else CACHE if quick else Path("docs")
+    folder = output if output is not None else CACHE if quick else Path("docs/results")
     if not page_only:
         _check_tools(synthesis=not no_synthesis, place=not (no_synthesis or quick))
     if page_only:

@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""What docs/edges.md says of ports, latency, events and tests is so."""
+"""What docs/reference/edges.md says of ports, latency, events and tests is so."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hdl.edges import Interface, make_core
 from hdl.edges.video_detector import VideoDetector
 
 ROOT = Path(__file__).parents[1]
-PAGE = (ROOT / "docs" / "edges.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "reference" / "edges.md").read_text(encoding="utf-8")
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BENCH = (ROOT / "tests" / "benches" / "bench_axi_malformed.py").read_text(encoding="utf-8")
 

@@ -68,7 +68,7 @@ def test_port_table() -> None:
         str(name): Shape.cast(field.shape).width for name, field in settings_layout(Build.profile("paper"))
     }
     told = {}
-    text = (DOCS / "edges.md").read_text(encoding="utf-8")
+    text = (DOCS / "reference" / "edges.md").read_text(encoding="utf-8")
     for line in re.findall(r"^\| (`.*` \| \d+) \|", text, re.MULTILINE):
         names, bits = line.split(" | ")
         told |= {name: int(bits) for name in re.findall(r"`(\w+)`", names)}
@@ -79,7 +79,7 @@ def test_port_table() -> None:
 def test_synthesis_figures(buffering: str) -> None:
     """Of the paper's size, as committed with the comparison page."""
     wanted = {"profile": "paper", "buffering": buffering, "width": 1200, "height": 720}
-    builds = json.loads((DOCS / FIGURES_NAME).read_text(encoding="utf-8"))["builds"]
+    builds = json.loads((DOCS / "results" / FIGURES_NAME).read_text(encoding="utf-8"))["builds"]
     (build,) = (each for each in builds if wanted.items() <= each.items())
     place = ["lean", "banked"].index(buffering)
     area = re.search(
@@ -88,7 +88,7 @@ def test_synthesis_figures(buffering: str) -> None:
     speed = re.search(r"clock reaches\s+([\d.]+) and ([\d.]+) MHz", README)
     assert area and speed
     assert area.groups()[place] == f"{build['le_packed']:,}"
-    where = (DOCS / "area.md").read_text(encoding="utf-8")
+    where = (DOCS / "explanation" / "area.md").read_text(encoding="utf-8")
     for figure in (build["le_packed"], build["memory_bits"]):
         assert f"{figure:,}" in where
     assert f"{build['fmax_mhz']:.1f}" in where

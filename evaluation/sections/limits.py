@@ -1,7 +1,7 @@
 """What the detector cannot do, shown: boards too fine for its kernel, and corners too soft for its
 gradient step.
 
-``python -m evaluation.sections.limits`` draws the picture of docs/limits.md anew;
+``python -m evaluation.sections.limits`` draws the picture of docs/reference/limits.md anew;
 tests/evaluation/sections/test_limits.py measures the
 page's figures.
 """
@@ -24,7 +24,7 @@ from golden.formats import MARGIN
 from golden.parameters import Parameters
 from golden.preprocessing import Image
 
-PICTURE = Path(__file__).parents[2] / "docs" / "limits" / "boards.png"
+PICTURE = Path(__file__).parents[2] / "docs" / "reference" / "limits" / "boards.png"
 SIDES = (3, 4, 5, 6)
 """Pixels of the squares' sides that are drawn, from left to right."""
 BOARD_SIDE = 96

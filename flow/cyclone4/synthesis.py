@@ -1,4 +1,4 @@
-"""Synthesis for Cyclone IV: Yosys with our own map of its cells, see ``docs/synthesis.md``."""
+"""Synthesis for Cyclone IV: Yosys with our own map of its cells, see ``docs/explanation/synthesis.md``."""
 
 from __future__ import annotations
 

@@ -242,7 +242,7 @@ def test_report_as_json(given: str) -> None:
 
 def test_keys_are_those_of_the_page() -> None:
     compiled()
-    page = (Path(__file__).parents[2] / "docs" / "quartus.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "howto" / "quartus.md").read_text(encoding="utf-8")
     (paragraph,) = re.findall(r"^`report --json` prints .*?\n\n", page, re.MULTILINE | re.DOTALL)
     found = json.loads(run("report", "--quartus", "project", "--json").stdout)
     assert set(re.findall(r"`(\w+)`", paragraph)) == set(found)

@@ -22,7 +22,7 @@ from tests.support.image_case import NORMALIZED, REFUSED, USED, Case
 from tests.support.image_cases import CASES, table
 from tests.support.image_files import chunk, exif
 
-PAGE = Path(__file__).parents[2] / "docs" / "inputs.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "inputs.md"
 SIZE = {"max_width": 20, "max_height": 18}
 
 STORED: dict[int, Callable[[Any], Any]] = {

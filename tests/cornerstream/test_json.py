@@ -1,4 +1,4 @@
-"""What ``--json`` prints: the keys of docs/json.md and no others, and the figures of the golden
+"""What ``--json`` prints: the keys of docs/reference/json.md and no others, and the figures of the golden
 model.
 """
 
@@ -22,7 +22,7 @@ from sim import Mismatch
 from tests.support.photographs import photograph
 from tests.support.runner import CliRunner
 
-PAGE = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "json.md").read_text(encoding="utf-8")
 WIDTH, HEIGHT = 40, 30
 SIZE = ("--width", str(WIDTH), "--height", str(HEIGHT))
 BUILT = {"max_width": WIDTH, "max_height": HEIGHT}

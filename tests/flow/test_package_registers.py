@@ -25,7 +25,7 @@ BUILDS = [
     Build.profile("robust", max_width=640, max_height=480, pixel_bits=10, autostart=True),
     Build.profile("robust", budget=True, suppression=3),
 ]
-PAGE = Path(__file__).parents[2] / "docs" / "registers.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "registers.md"
 
 
 class Memory:
@@ -213,10 +213,10 @@ def written(item: Any) -> tuple[str, str | None]:
 
 def test_the_committed_page_is_up_to_date() -> None:
     text = registers_page(PARAMETERS)
-    command = "make package && cp build/ip/registers.md docs/"
+    command = "make package && cp build/ip/registers.md docs/reference/"
     assert command in text
     assert PAGE.read_text(encoding="utf-8") == text, (
-        f"docs/registers.md is not what the map says; run: {command}"
+        f"docs/reference/registers.md is not what the map says; run: {command}"
     )
 
 

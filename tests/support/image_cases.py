@@ -1,4 +1,4 @@
-"""Every kind of image file with what is right for it: the table behind docs/inputs.md."""
+"""Every kind of image file with what is right for it: the table behind docs/reference/inputs.md."""
 
 from __future__ import annotations
 

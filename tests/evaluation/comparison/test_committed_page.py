@@ -22,7 +22,7 @@ from evaluation.comparison.figures import (
     structure,
 )
 
-DOCS = Path(__file__).parents[3] / "docs"
+DOCS = Path(__file__).parents[3] / "docs" / "results"
 QUICK = builds(SIZES[-1:])
 
 

@@ -292,7 +292,7 @@ def test_command_measures_what_is_asked_for(
 
     monkeypatch.setattr("cornerstream.tables.measure", measured)
     run(*options, "--jobs", "3")
-    folder = Path("build/comparison") if "--quick" in options else Path("docs")
+    folder = Path("build/comparison") if "--quick" in options else Path("docs/results")
     assert sorted(path.name for path in folder.iterdir()) == ["comparison.json", "comparison.md"]
 
 

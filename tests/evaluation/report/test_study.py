@@ -246,7 +246,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (["--video", "film"], ["film is no video; allowed: 5 or more frames of one size"]),
         (["--only", "speed"], ["'speed' is not one of", "accuracy"]),
         (["--profile", "best"], ["'best' is not one of", "paper"]),
-        (["--page"], ["cannot read docs/evaluation.json", "allowed: what was measured before"]),
+        (["--page"], ["cannot read docs/results/evaluation.json", "allowed: what was measured before"]),
         (["--output", "text.mp4"], ["text.mp4"]),
     ],
 )

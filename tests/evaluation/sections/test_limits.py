@@ -1,4 +1,4 @@
-"""What docs/limits.md says is recomputed here."""
+"""What docs/reference/limits.md says is recomputed here."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from golden.formats import MARGIN
 from golden.subpixel import offset_limit
 from tests.support.photographs import PHOTOGRAPHS, photograph
 
-PAGE = (Path(__file__).parents[3] / "docs" / "limits.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "limits.md").read_text(encoding="utf-8")
 TEXT = " ".join(PAGE.split())
 ROWS = {line.split(" | ")[0].strip("| "): line for line in PAGE.splitlines() if re.match(r"\| \d", line)}
 """Of both tables, by their first cells."""
