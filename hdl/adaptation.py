@@ -45,7 +45,7 @@ class Adaptation(wiring.Component):
     on the same way: both are done before the next frame has responses. The bin that reaches the
     target stays where it was compared, and three more comparisons make the place in it.
 
-    Reading begins by itself after reset, which clears the histogram; T1 then is what ``kept`` says.
+    Reading begins by itself after reset, which clears the histogram; T1 then is what ``history`` says.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Adaptation(wiring.Component):
         In this clock the frame ends; it is to be read for what is aimed at in the next clock,
         ``aim_layout()``, whose smoothing stays until the frame after has begun. A corner may come
         along.
-    kept
+    history
         ``adapted_layout(parameters)``: what is known of frames before the last reset.
     busy
         Histogram and T1 are not ready for the next frame.
@@ -77,7 +77,7 @@ class Adaptation(wiring.Component):
                 "strength": In(parameters.response_bits),
                 "last": In(1),
                 "aim": In(aim_layout()),
-                "kept": In(adapted_layout(parameters)),
+                "history": In(adapted_layout(parameters)),
                 "busy": Out(1, init=1),
                 "adapted": Out(adapted_layout(parameters)),
             }
@@ -110,7 +110,7 @@ class Adaptation(wiring.Component):
         now = Cat(self._smoothed(m, Mux(found, below, 0), smoothing), aimed)
         with m.If(self.busy & done):
             m.d.sync += [self.busy.eq(0), fresh.eq(0)]
-            m.d.sync += Value.cast(self.adapted).eq(Mux(fresh, Value.cast(self.kept), now))
+            m.d.sync += Value.cast(self.adapted).eq(Mux(fresh, Value.cast(self.history), now))
 
         place = Signal(range(bins(self._parameters)), init=bins(self._parameters) - 1)
         # so that the first bin is read a clock after the last corner has gone back

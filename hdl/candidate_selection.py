@@ -23,7 +23,7 @@ from hdl.texture_filter import texture_layout
 PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
 
 
-def note_layout(parameters: Parameters) -> data.StructLayout:
+def pending_record_layout(parameters: Parameters) -> data.StructLayout:
     """What a record needs besides the offset; ``end`` marks the end of a frame instead of a corner.
 
     The response of an end is the frame's largest. With ``budget`` its x and y are, side by side,
@@ -40,22 +40,22 @@ def note_layout(parameters: Parameters) -> data.StructLayout:
     )
 
 
-def mark_layout() -> data.StructLayout:
+def corner_flag_layout() -> data.StructLayout:
     """Of a window: is its centre an accepted corner; and is it the last of its row, of its frame."""
     return data.StructLayout({"corner": 1, "eol": 1, "eof": 1})
 
 
-MARKS = 16
-"""Marks that can wait: more than come before whoever takes them can hold them up."""
+CORNER_FLAGS = 16
+"""Corner flags that can wait: more than come before whoever takes them can hold them up."""
 INSIDE = 4
-"""Candidates inside the subpixel refinement and at its end: their notes wait too."""
+"""Candidates inside the subpixel refinement and at its end: their pending records wait too."""
 
 
 class CandidateSelection(wiring.Component):
     """Lets pass the window centres that are reported: corners that the texture filter keeps.
 
-    Every candidate goes out twice, its surface to the subpixel refinement and a note of the rest to
-    the output constructor. Each frame is closed by one more note, marked ``end``, one clock after
+    Every candidate goes out twice, its surface to the subpixel refinement and a pending record of the rest to
+    the output constructor. Each frame is closed by one more pending record, with ``end``, one clock after
     its last window. Both wait in queues, whose filling alone decides, in a register, whether the
     blocks before may move: these are always in step with each other.
 
@@ -76,15 +76,15 @@ class CandidateSelection(wiring.Component):
         Stream of ``derivatives_layout(parameters)`` from the surface fit, likewise.
     candidate
         Stream of ``derivatives_layout(parameters)``.
-    note
-        Stream of ``note_layout(parameters)``.
+    pending
+        Stream of ``pending_record_layout(parameters)``.
     last
         In this clock the frame's last window leaves.
     largest
         Largest response so far: of the frame before, from the clock after its last window until the
         next one's first.
-    mark
-        With ``video_out`` only: stream of ``mark_layout()``, one for every window.
+    corner_flags
+        With ``video_out`` only: stream of ``corner_flag_layout()``, one for every window.
     max_corners
         With ``budget`` only: steady from before a frame's first window to its last.
     """
@@ -101,10 +101,14 @@ class CandidateSelection(wiring.Component):
                 "textures": In(stream.Signature(Beat(texture))),
                 "surfaces": In(stream.Signature(surface)),
                 "candidate": Out(stream.Signature(surface)),
-                "note": Out(stream.Signature(note_layout(parameters))),
+                "pending": Out(stream.Signature(pending_record_layout(parameters))),
                 "last": Out(1),
                 "largest": Out(parameters.response_bits),
-                **({"mark": Out(stream.Signature(mark_layout()))} if parameters.video_out else {}),
+                **(
+                    {"corner_flags": Out(stream.Signature(corner_flag_layout()))}
+                    if parameters.video_out
+                    else {}
+                ),
                 **({"max_corners": In(BUDGET_BITS)} if parameters.budget else {}),
             }
         )
@@ -112,15 +116,15 @@ class CandidateSelection(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m, p = Module(), self._parameters
         m.submodules.candidates = candidates = Queue(derivatives_layout(p), p.queue_depth)
-        m.submodules.notes = notes = Queue(note_layout(p), p.queue_depth + INSIDE)
+        m.submodules.pending = pending = Queue(pending_record_layout(p), p.queue_depth + INSIDE)
         wiring.connect(m, candidates.o, wiring.flipped(self.candidate))
-        wiring.connect(m, notes.o, wiring.flipped(self.note))
+        wiring.connect(m, pending.o, wiring.flipped(self.pending))
 
         room, step, ending = Signal(init=1), Signal(), Signal()
         # a clock late, and an end follows yet: for this, too, there is room
         allowed, place_of_end = self._budget(m, step, ending) if p.budget else (None, None)
-        marks_room = self._marks(m, step, allowed) if p.video_out else C(1)
-        m.d.sync += room.eq(candidates.room & notes.room & marks_room)
+        flags_room = self._corner_flags(m, step, allowed) if p.video_out else C(1)
+        m.d.sync += room.eq(candidates.room & pending.room & flags_room)
         m.d.comb += [
             *(source.ready.eq(room) for source in (self.corners, self.textures, self.surfaces)),
             step.eq(self.corners.valid & room),
@@ -148,12 +152,12 @@ class CandidateSelection(wiring.Component):
             picked.eq(wanted),
             candidates.i.valid.eq(picked),
             candidates.i.payload.eq(self.surfaces.payload),
-            notes.i.valid.eq(picked | ending),
-            notes.i.payload.x.eq(place[0]),
-            notes.i.payload.y.eq(place[1]),
-            notes.i.payload.response.eq(Mux(ending, self.largest, response)),
-            notes.i.payload.textured.eq(texture.textured),
-            notes.i.payload.end.eq(ending),
+            pending.i.valid.eq(picked | ending),
+            pending.i.payload.x.eq(place[0]),
+            pending.i.payload.y.eq(place[1]),
+            pending.i.payload.response.eq(Mux(ending, self.largest, response)),
+            pending.i.payload.textured.eq(texture.textured),
+            pending.i.payload.end.eq(ending),
         ]
         return m
 
@@ -181,15 +185,15 @@ class CandidateSelection(wiring.Component):
                 m.d.sync += accepted.eq(accepted + 1)
         return allowed, (found[:PIXEL_COORDINATE_BITS], found[PIXEL_COORDINATE_BITS:])
 
-    def _marks(self, m: Module, step: Signal, allowed: Signal | None) -> Value:
-        """A mark of every window into a queue of its own; returns whether that has room."""
-        m.submodules.marks = marks = Queue(mark_layout(), MARKS)
-        wiring.connect(m, marks.o, wiring.flipped(self.mark))
+    def _corner_flags(self, m: Module, step: Signal, allowed: Signal | None) -> Value:
+        """A corner flag of every window into a queue of its own; returns whether that has room."""
+        m.submodules.corner_flags = flags = Queue(corner_flag_layout(), CORNER_FLAGS)
+        wiring.connect(m, flags.o, wiring.flipped(self.corner_flags))
         corner = self.corners.payload.data.corner & ~self.textures.payload.data.textured
         m.d.comb += [
-            marks.i.valid.eq(step),
-            marks.i.payload.corner.eq(corner if allowed is None else corner & allowed),
-            marks.i.payload.eol.eq(self.corners.payload.eol),
-            marks.i.payload.eof.eq(self.corners.payload.eof),
+            flags.i.valid.eq(step),
+            flags.i.payload.corner.eq(corner if allowed is None else corner & allowed),
+            flags.i.payload.eol.eq(self.corners.payload.eol),
+            flags.i.payload.eof.eq(self.corners.payload.eof),
         ]
-        return marks.room
+        return flags.room

@@ -14,7 +14,7 @@ from golden.formats import WINDOW_SIZE
 from golden.output_constructor import COUNT_BITS
 from hdl.adaptation import Adaptation, adapted_layout
 from hdl.build import Build
-from hdl.candidate_selection import CandidateSelection, mark_layout
+from hdl.candidate_selection import CandidateSelection, corner_flag_layout
 from hdl.centre_pixels import CentrePixels
 from hdl.convolution import Convolution
 from hdl.frame_control import FrameControl
@@ -34,7 +34,7 @@ def budget_members(parameters: Build) -> dict[str, Any]:
         "found": Out(COUNT_BITS),
         "adapted": Out(adapted_layout(parameters)),
         "adapting": Out(1),
-        "kept": In(adapted_layout(parameters)),
+        "history": In(adapted_layout(parameters)),
     }
 
 
@@ -48,7 +48,7 @@ class Detector(wiring.Component):
                                        └ surface fit ──────┘                       │
             ┌──────────────────────────────────────────────────────────────────────┘
             ├ candidates ─ subpixel ┬─ output constructor ─ records
-            └ notes ────────────────┘
+            └ pending ──────────────┘
 
     With ``fit="gradient"`` the pixel at each response's centre goes along with it through the
     second buffer, and the gradient step's normal equations take the place of the surface fit; other
@@ -79,8 +79,8 @@ class Detector(wiring.Component):
     o
         Stream of ``record_layout()``: the frame's corners in raster order, then its end-of-frame
         record.
-    mark
-        With ``video_out`` only: stream of ``mark_layout()``, one for each pixel that can be a
+    corner_flags
+        With ``video_out`` only: stream of ``corner_flag_layout()``, one for each pixel that can be a
         corner.
     found
         With ``budget`` only: corners of the frame whose end-of-frame record is on offer, not only
@@ -88,7 +88,7 @@ class Detector(wiring.Component):
     adapted, adapting
         With ``budget`` only: ``adapted_layout(parameters)`` for the next frame, and that it is not
         ready yet.
-    kept
+    history
         With ``budget`` only: what ``adapted`` was before a reset, if the next frame is to follow
         it; steady.
     """
@@ -127,7 +127,7 @@ class Detector(wiring.Component):
                 "height": In(range(p.max_height + 1)),
                 **settings,
                 "o": Out(stream.Signature(record_layout())),
-                **({"mark": Out(stream.Signature(mark_layout()))} if p.video_out else {}),
+                **({"corner_flags": Out(stream.Signature(corner_flag_layout()))} if p.video_out else {}),
                 **(budget_members(p) if p.budget else {}),
             }
         )
@@ -259,7 +259,7 @@ class Detector(wiring.Component):
             adaptation.strength.eq(response),
             adaptation.last.eq(self._candidates.last),
             adaptation.aim.eq(limits.payload.aim),
-            adaptation.kept.eq(self.kept),
+            adaptation.history.eq(self.history),
             self._thresholds.adapted.eq(adaptation.adapted),
             self._thresholds.adapting.eq(adaptation.busy),
             self.adapted.eq(adaptation.adapted),
@@ -273,8 +273,8 @@ class Detector(wiring.Component):
         constructor = self._constructor
         m.submodules.subpixel = self._subpixel
         wiring.connect(m, self._candidates.candidate, self._subpixel.i)
-        wiring.connect(m, self._candidates.note, constructor.note)
+        wiring.connect(m, self._candidates.pending, constructor.pending)
         wiring.connect(m, self._subpixel.o, constructor.offset)
         if self._parameters.video_out:
-            wiring.connect(m, self._candidates.mark, wiring.flipped(self.mark))
+            wiring.connect(m, self._candidates.corner_flags, wiring.flipped(self.corner_flags))
         wiring.connect(m, constructor.o, wiring.flipped(self.o))

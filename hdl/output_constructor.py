@@ -13,7 +13,7 @@ from amaranth.lib.wiring import In, Out
 from golden.formats import COORDINATE_BITS, OFFSET_BITS
 from golden.output_constructor import COUNT_BITS, END_OF_FRAME, FRAME_BITS, RECORD_BITS, RESPONSE_FIELD_BITS
 from golden.parameters import Parameters
-from hdl.candidate_selection import note_layout
+from hdl.candidate_selection import pending_record_layout
 from hdl.subpixel import offset_layout
 
 
@@ -28,10 +28,10 @@ class OutputConstructor(wiring.Component):
 
     Members
     -------
-    note
-        Stream of ``note_layout(parameters)``.
+    pending
+        Stream of ``pending_record_layout(parameters)``.
     offset
-        Stream of ``offset_layout(parameters.algorithm.fit)``, one for each note but an end.
+        Stream of ``offset_layout(parameters.algorithm.fit)``, one for each pending record but an end.
     o
         Stream of ``record_layout()``.
     found
@@ -45,7 +45,7 @@ class OutputConstructor(wiring.Component):
         self._parameters = parameters
         super().__init__(
             {
-                "note": In(stream.Signature(note_layout(parameters))),
+                "pending": In(stream.Signature(pending_record_layout(parameters))),
                 "offset": In(stream.Signature(offset_layout(parameters.algorithm.fit))),
                 "o": Out(stream.Signature(record_layout())),
                 **({"found": Out(COUNT_BITS)} if parameters.budget else {}),
@@ -54,35 +54,35 @@ class OutputConstructor(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        note, offset = self.note.payload, self.offset.payload
+        pending, offset = self.pending.payload, self.offset.payload
         step, free = Signal(), Signal()
-        complete = self.note.valid & (note.end | self.offset.valid)
+        complete = self.pending.valid & (pending.end | self.offset.valid)
         m.d.comb += [
             free.eq(~self.o.valid | self.o.ready),
             step.eq(complete & free),
-            self.note.ready.eq(step),
-            self.offset.ready.eq(step & ~note.end),
+            self.pending.ready.eq(step),
+            self.offset.ready.eq(step & ~pending.end),
         ]
 
         count, frame = Signal(COUNT_BITS), Signal(FRAME_BITS)
         with m.If(step):
             m.d.sync += count.eq(count + 1)
-            with m.If(note.end):
+            with m.If(pending.end):
                 m.d.sync += [count.eq(0), frame.eq(frame + 1)]
 
-        x = (Cat(C(0, OFFSET_BITS), note.x) + offset.dx)[:COORDINATE_BITS]
-        y = (Cat(C(0, OFFSET_BITS), note.y) + offset.dy)[:COORDINATE_BITS]
+        x = (Cat(C(0, OFFSET_BITS), pending.x) + offset.dx)[:COORDINATE_BITS]
+        y = (Cat(C(0, OFFSET_BITS), pending.y) + offset.dy)[:COORDINATE_BITS]
         unused = C(0, RESPONSE_FIELD_BITS - self._parameters.response_bits)
-        corner = Cat(x, y, note.response, unused, offset.clamped, offset.not_maximum, note.textured)
-        end = Cat(count, frame, note.response, unused, C(END_OF_FRAME, 3))
+        corner = Cat(x, y, pending.response, unused, offset.clamped, offset.not_maximum, pending.textured)
+        end = Cat(count, frame, pending.response, unused, C(END_OF_FRAME, 3))
         with m.If(free):
             m.d.sync += self.o.valid.eq(complete)
         with m.If(step):
             m.d.sync += [
-                self.o.payload.record.eq(Mux(note.end, end, corner)),
-                self.o.payload.last.eq(note.end),
+                self.o.payload.record.eq(Mux(pending.end, end, corner)),
+                self.o.payload.last.eq(pending.end),
             ]
         if self._parameters.budget:
-            with m.If(step & note.end):
-                m.d.sync += self.found.eq(Cat(note.x, note.y))
+            with m.If(step & pending.end):
+                m.d.sync += self.found.eq(Cat(pending.x, pending.y))
         return m

@@ -31,7 +31,7 @@ _INSIDE = (
     ("responses", "response", "o"),
     ("thresholds", "thresholds", "thresholds"),
     ("largest response", "thresholds", "largest"),
-    ("candidates", "candidate selection", "note"),
+    ("candidates", "candidate selection", "pending"),
     ("candidates' derivatives", "candidate selection", "candidate"),
 )
 """Streams and plain signals between the detector's blocks: a title, the block, and its member."""

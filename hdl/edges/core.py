@@ -73,7 +73,7 @@ class Core(wiring.Component):
             self.irq.eq(bank.irq),
         ]
         if self._parameters.budget:
-            m.d.comb += bank.kept.eq(video.kept)
+            m.d.comb += bank.history.eq(video.history)
         if not self._ends_of_line:
             m.d.comb += video.control.ignore_eol.eq(1)
         outputs = [self.records]

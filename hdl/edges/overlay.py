@@ -10,12 +10,12 @@ from amaranth.lib.wiring import In, Out
 
 from golden.formats import MARGIN
 from hdl.build import Build
-from hdl.candidate_selection import mark_layout
+from hdl.candidate_selection import corner_flag_layout
 from hdl.edges.frame_guard import video_layout
 from hdl.parts.queue import Queue
 
 _ROWS = {"lean": 7, "banked": 9}
-"""Rows that come after a pixel before its mark does: ``"banked"`` buffers read two rows late."""
+"""Rows that come after a pixel before its flag does: ``"banked"`` buffers read two rows late."""
 _CLOCKS = 128
 """And the clocks of the way through the detector, with some to spare."""
 
@@ -28,21 +28,21 @@ def overlay_layout(parameters: Build) -> data.StructLayout:
 
 
 class Overlay(wiring.Component):
-    """Holds pixels back in block RAM until the detector's marks are there.
+    """Holds pixels back in block RAM until the detector's corner flags are there.
 
-    Marks exist where a corner can be; the outermost pixels go by without. A pixel is kept with one
+    Flags exist where a corner can be; the outermost pixels go by without. A pixel is kept with one
     tag, which on a row's first pixel means that it is the frame's first, and elsewhere that it is
     the row's last.
 
-    It is deep enough that pixels are held up only where marks or the output are, and never all at
+    It is deep enough that pixels are held up only where flags or the output are, and never all at
     once: what it holds when it is full is more than the detector needs to mark the first of them.
 
     Members
     -------
     i
         Stream of ``video_layout(parameters)``: pixels of whole frames.
-    mark
-        Stream of ``mark_layout()``.
+    corner_flags
+        Stream of ``corner_flag_layout()``.
     restart
         Forget all but a beat at the output.
     o
@@ -56,7 +56,7 @@ class Overlay(wiring.Component):
         super().__init__(
             {
                 "i": In(stream.Signature(video_layout(p))),
-                "mark": In(stream.Signature(mark_layout())),
+                "corner_flags": In(stream.Signature(corner_flag_layout())),
                 "restart": In(1),
                 "o": Out(stream.Signature(overlay_layout(p))),
                 "done": Out(1),
@@ -94,18 +94,18 @@ class Overlay(wiring.Component):
         tag = queue.o.payload.tag
         m.d.comb += [
             marked.eq((column == MARGIN) & (row == MARGIN) & ~right & ~below),
-            free.eq((~self.o.valid | self.o.ready) & (~marked | self.mark.valid)),
+            free.eq((~self.o.valid | self.o.ready) & (~marked | self.corner_flags.valid)),
             step.eq(queue.o.valid & free),
             queue.o.ready.eq(free),
-            self.mark.ready.eq(step & marked),
+            self.corner_flags.ready.eq(step & marked),
             eol.eq(tag & (column != 0)),
             self.done.eq(step & eol & below & (row == MARGIN)),
         ]
         with m.If(step):
             m.d.sync += column.eq(Mux(eol, 0, Mux(column == MARGIN, MARGIN, column + 1)))
             with m.If(marked):
-                m.d.sync += right.eq(self.mark.payload.eol)
-                with m.If(self.mark.payload.eof):
+                m.d.sync += right.eq(self.corner_flags.payload.eol)
+                with m.If(self.corner_flags.payload.eof):
                     m.d.sync += [below.eq(1), row.eq(0)]
             with m.If(eol):
                 m.d.sync += right.eq(0)
@@ -121,7 +121,7 @@ class Overlay(wiring.Component):
         with m.If(step):
             m.d.sync += [
                 self.o.payload.pixel.eq(queue.o.payload.pixel),
-                self.o.payload.corner.eq(marked & self.mark.payload.corner),
+                self.o.payload.corner.eq(marked & self.corner_flags.payload.corner),
                 self.o.payload.sof.eq(tag & (column == 0)),
                 self.o.payload.eol.eq(eol),
             ]

@@ -70,7 +70,7 @@ class RegisterBank(wiring.Component):
         ``control_layout(parameters)``.
     timeout
         Clocks.
-    active, results, kept, clocks, reset_done
+    active, results, history, clocks, reset_done
         As of ``VideoDetector``.
     events
         ``events_layout(*OTHER_EVENTS)``.
@@ -91,7 +91,7 @@ class RegisterBank(wiring.Component):
                 "timeout": Out(TIMEOUT_BITS, init=self.registers["TIMEOUT"].reset),
                 "active": In(1),
                 "results": In(results_layout()),
-                **({"kept": In(adapted_layout(parameters))} if parameters.budget else {}),
+                **({"history": In(adapted_layout(parameters))} if parameters.budget else {}),
                 "clocks": In(CLOCK_BITS),
                 "reset_done": In(1),
                 "events": In(events_layout(*OTHER_EVENTS)),
@@ -127,7 +127,7 @@ class RegisterBank(wiring.Component):
             if name in dict(place.shape()):
                 return Value.cast(place[name])
         if self._parameters.budget and name in ("adapted_t1", "adapted"):
-            return Value.cast(self.kept.t1 if name == "adapted_t1" else self.kept.known)
+            return Value.cast(self.history.t1 if name == "adapted_t1" else self.history.known)
         return {"timeout": self.timeout, "clocks": self.clocks}.get(name)
 
     def _contents(self, register: Register) -> Value:

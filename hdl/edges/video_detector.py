@@ -99,7 +99,7 @@ class VideoDetector(wiring.Component):
         A frame is under way at the input.
     idle
         A frame is under way, and it is its next pixel that is waited for.
-    kept
+    history
         With ``budget`` only: ``adapted_layout(parameters)``, of the last complete frame.
     reset_done
         What ``control.reset`` asks for is done; one clock long.
@@ -119,7 +119,7 @@ class VideoDetector(wiring.Component):
                 "records": Out(stream.Signature(record_layout())),
                 **({"overlay": Out(stream.Signature(overlay_layout(p)))} if p.video_out else {}),
                 "results": Out(results_layout()),
-                **({"kept": Out(adapted_layout(p))} if p.budget else {}),
+                **({"history": Out(adapted_layout(p))} if p.budget else {}),
                 "clocks": Out(CLOCK_BITS),
                 "events": Out(events_layout(*VIDEO_EVENTS)),
                 "active": Out(1),
@@ -157,7 +157,7 @@ class VideoDetector(wiring.Component):
         if overlay is not None:
             m.submodules.overlay = overlay
             m.d.comb += overlay.restart.eq(restart)
-            wiring.connect(m, detector.mark, overlay.mark)
+            wiring.connect(m, detector.corner_flags, overlay.corner_flags)
             wiring.connect(m, overlay.o, wiring.flipped(self.overlay))
 
         wiring.connect(m, wiring.flipped(self.video), self._skid.i)
@@ -224,7 +224,7 @@ class VideoDetector(wiring.Component):
         if self._overlay is not None:
             empty = drained & (self._in_flight(m, "shown", self._overlay.done, restart) == 0)
         if self._parameters.budget:
-            empty &= self._kept(m, restart)
+            empty &= self._history(m, restart)
         m.d.comb += [
             ask.eq(self.control.reset | (guard.cut & empty)),
             stopped.eq(restart | closing),
@@ -243,7 +243,7 @@ class VideoDetector(wiring.Component):
         with m.If(guard.resume):
             m.d.sync += closing.eq(0)
 
-    def _kept(self, m: Module, restart: Signal) -> Value:
+    def _history(self, m: Module, restart: Signal) -> Value:
         """Keeps what T1 is adapted to over a restart, but not over a reset; returns whether that is
         up to date.
 
@@ -251,15 +251,15 @@ class VideoDetector(wiring.Component):
         comes out.
         """
         with m.If(restart & self.control.reset):
-            m.d.sync += self.kept.eq(0)
+            m.d.sync += self.history.eq(0)
         with m.Elif(~self._detector.adapting):
-            m.d.sync += self.kept.eq(self._detector.adapted)
-        m.d.comb += [self._detector.kept.eq(self.kept), self._packets.found.eq(self._detector.found)]
+            m.d.sync += self.history.eq(self._detector.adapted)
+        m.d.comb += [self._detector.history.eq(self.history), self._packets.found.eq(self._detector.found)]
         return ~self._detector.adapting
 
     def _in_flight(self, m: Module, name: str, out: Any, restart: Signal) -> Signal:
         """Complete frames whose last pixel has gone in, but whose end has not come out."""
-        # each frame in flight has at least one window among the marks and notes that wait, but for
+        # each frame in flight has at least one window among the corner flags and pending records that wait, but for
         # two
         most = self._parameters.queue_depth + 32
         inside = Signal(range(most), name=name)

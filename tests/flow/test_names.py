@@ -60,7 +60,7 @@ def test_all_port_names_are_names_in_vhdl_and_verilog(name: str) -> None:
     assert [port for port in ports if not is_plain(port)] == []
     assert others and all(module.startswith(f"{top}_") for module, _ in others)
     if name == "bare":
-        assert {"i_payload", "i_valid", "i_ready", "o_ready", "reference_constant", "kept"} <= {*ports}
+        assert {"i_payload", "i_valid", "i_ready", "o_ready", "reference_constant", "history"} <= {*ports}
 
 
 def test_two_ports_of_one_name_are_an_error() -> None:

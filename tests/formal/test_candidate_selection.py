@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Candidate selection: notes and candidates stay in step, and the queues never overflow, whoever
+"""Candidate selection: pending records and candidates stay in step, and the queues never overflow, whoever
 waits for whom.
 """
 
@@ -50,7 +50,7 @@ class SelectionChecker(Elaboratable):
         parameters = DEFAULT if design.INSIDE == INSIDE else SHORT
         m.submodules.dut = dut = design.CandidateSelection(parameters)
         inside = Insides(dut)
-        candidates, notes = Insides(inside["candidates"]), Insides(inside["notes"])
+        candidates, pending = Insides(inside["candidates"]), Insides(inside["pending"])
         free(m, dut)
         centre, texture = dut.corners.payload, dut.textures.payload
         after_end = Signal()
@@ -63,7 +63,7 @@ class SelectionChecker(Elaboratable):
                 Assert(port.ready == dut.corners.ready, f"{name}: not ready when the others are"),
             ]
         m.d.comb += [Assume(~(after_end & dut.corners.valid)), Assume(~centre.eof | centre.eol)]
-        for name in ("candidate", "note"):
+        for name in ("candidate", "pending"):
             stable(m, getattr(dut, name), name)
 
         x, y = (Signal(design.PIXEL_COORDINATE_BITS, name=axis, init=MARGIN) for axis in ("x", "y"))
@@ -81,7 +81,7 @@ class SelectionChecker(Elaboratable):
             found=dut.candidate.payload,
             capacity=parameters.queue_depth,
         )
-        # of an end's note the mark counts, and the frame's largest response
+        # of a frame's end only the flag `end` counts, and the frame's largest response
         first, largest = Signal(init=1), Signal(parameters.response_bits)
         with m.If(moves(dut.corners)):
             response = centre.data.response
@@ -90,26 +90,28 @@ class SelectionChecker(Elaboratable):
                 largest.eq(Mux(first | (response > largest), response, largest)),
             ]
         place = Cat(x, y, centre.data.response, texture.data.textured)
-        note = dut.note.payload
-        said = Cat(note.x, note.y, note.response, note.textured)
+        pending = dut.pending.payload
+        said = Cat(pending.x, pending.y, pending.response, pending.textured)
         noted = Scoreboard(
             m,
-            "note",
+            "pending",
             enters=picked | after_end,
             given=Cat(Mux(after_end, largest, place), after_end),
-            leaves=moves(dut.note),
-            found=Cat(Mux(note.end, note.response, said), note.end),
+            leaves=moves(dut.pending),
+            found=Cat(Mux(pending.end, pending.response, said), pending.end),
             capacity=parameters.queue_depth + design.INSIDE + 1,
         )
-        for board, port in ((chosen, dut.candidate), (noted, dut.note)):
+        for board, port in ((chosen, dut.candidate), (noted, dut.pending)):
             board.leaves_within(2, port.ready)
-        ready = dut.candidate.ready & dut.note.ready
+        ready = dut.candidate.ready & dut.pending.ready
         overdue = accepts_within(m, 5, dut.corners, during=ready, name="corners")
-        m.d.comb += Cover(moves(dut.note) & note.end & dut.candidate.valid, "an end overtakes a candidate")
+        m.d.comb += Cover(
+            moves(dut.pending) & pending.end & dut.candidate.valid, "an end overtakes a candidate"
+        )
 
         def what_counts(kept: Any) -> Any:
-            kept_note = data.View(design.note_layout(parameters), kept)
-            return Cat(Mux(kept_note.end, kept_note.response, kept[:-1]), kept_note.end)
+            stored_record = data.View(design.pending_record_layout(parameters), kept)
+            return Cat(Mux(stored_record.end, stored_record.response, kept[:-1]), stored_record.end)
 
         for name, here in (("x", x), ("y", y), ("ending", after_end), ("first", first)):
             invariant(m, inside[name] == here, f"{name} differs")
@@ -117,16 +119,16 @@ class SelectionChecker(Elaboratable):
         queue_holds(m, inside["candidates"], candidates, chosen, parameters.queue_depth)
         depth = parameters.queue_depth + design.INSIDE
         # how full the queues can be, as room is heeded a clock late, and as they are emptied
-        room, surfaces, records = inside["room"], candidates["level"], notes["level"]
+        room, surfaces, records = inside["room"], candidates["level"], pending["level"]
         invariant(
             m, ~room | ((surfaces <= parameters.queue_depth - 2) & (records <= depth - 2)), "room is none"
         )
         empty = surfaces == 0
         invariant(m, empty | (surfaces + overdue < parameters.queue_depth), "a candidate too many")
         empty = records + after_end == 0
-        invariant(m, empty | (records + overdue + after_end <= depth), "a note too many")
+        invariant(m, empty | (records + overdue + after_end <= depth), "a pending record too many")
         invariant(m, room | (overdue < 4), "room comes late")
-        queue_holds(m, inside["notes"], notes, noted, depth, compared=what_counts)
+        queue_holds(m, inside["pending"], pending, noted, depth, compared=what_counts)
         return m
 
 
@@ -135,7 +137,7 @@ def derivatives_layout(parameters):
     return data.StructLayout({"dxx": 2})
 """
 SELECTION = Claim(
-    says="CandidateSelection: notes and candidates in step, nothing lost, stream rules",
+    says="CandidateSelection: pending records and candidates in step, nothing lost, stream rules",
     design=hdl.candidate_selection,
     small=variant(
         hdl.candidate_selection,
@@ -149,10 +151,10 @@ SELECTION = Claim(
     depth=2,
     covered=14,
     faults=(
-        Fault("candidates.room & notes.room", "notes.room", "candidate: more is inside", 14),
-        Fault("notes.i.valid.eq(picked | ending)", "notes.i.valid.eq(picked)", "note: ", 5),
-        Fault("first | (response > self.largest)", "response > self.largest", "note: another beat", 14),
-        Fault("[x.eq(MARGIN), y.eq(y + 1)]", "x.eq(MARGIN)", "note: another beat", 6),
+        Fault("candidates.room & pending.room", "pending.room", "candidate: more is inside", 14),
+        Fault("pending.i.valid.eq(picked | ending)", "pending.i.valid.eq(picked)", "pending: ", 5),
+        Fault("first | (response > self.largest)", "response > self.largest", "pending: another beat", 14),
+        Fault("[x.eq(MARGIN), y.eq(y + 1)]", "x.eq(MARGIN)", "pending: another beat", 6),
         Fault("Signal(), step & corner.corner", "Signal(), self.corners.valid & corner.corner", "", 14),
     ),
 )

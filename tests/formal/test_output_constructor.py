@@ -31,29 +31,32 @@ class OutputConstructorChecker(Elaboratable):
         m.submodules.dut = dut = self._design.OutputConstructor(PARAMETERS)
         inside = Insides(dut)
         free(m, dut)
-        for name in ("note", "offset"):
+        for name in ("pending", "offset"):
             assume_stable(m, getattr(dut, name), name)
         stable(m, dut.o, "o")
-        note, offset, o = dut.note.payload, dut.offset.payload, dut.o.payload
+        pending, offset, o = dut.pending.payload, dut.offset.payload, dut.o.payload
         m.d.comb += Assume(~(offset.clamped & offset.not_maximum))
 
-        # one input beat of each kind that a note needs
+        # one input beat of each kind that a pending record needs
         m.d.comb += [
-            Assert(moves(dut.offset) == (moves(dut.note) & ~note.end), "offsets and notes get out of step"),
+            Assert(
+                moves(dut.offset) == (moves(dut.pending) & ~pending.end),
+                "offsets and pending records get out of step",
+            ),
         ]
         response = o.record[RESPONSE_SHIFT:FLAG_SHIFT]
         places = [
-            ((note[axis] << OFFSET_BITS) + offset[f"d{axis}"])[:COORDINATE_BITS].as_unsigned()
+            ((pending[axis] << OFFSET_BITS) + offset[f"d{axis}"])[:COORDINATE_BITS].as_unsigned()
             for axis in ("x", "y")
         ]
-        flags = Cat(offset.clamped, offset.not_maximum, note.textured)
+        flags = Cat(offset.clamped, offset.not_maximum, pending.textured)
         unused = Const(0, len(response) - PARAMETERS.response_bits)
-        corner = Cat(*places, note.response, unused, flags)
+        corner = Cat(*places, pending.response, unused, flags)
         board = Scoreboard(
             m,
             "records",
-            enters=moves(dut.note),
-            given=Cat(note.end, Mux(note.end, note.response, corner)),
+            enters=moves(dut.pending),
+            given=Cat(pending.end, Mux(pending.end, pending.response, corner)),
             leaves=moves(dut.o),
             found=Cat(o.last, Mux(o.last, response, o.record)),
             capacity=1,
@@ -62,9 +65,9 @@ class OutputConstructorChecker(Elaboratable):
         within(
             m,
             1,
-            during=dut.note.valid & (note.end | dut.offset.valid) & dut.o.ready,
-            happens=dut.note.ready,
-            name="note: a beat is not accepted",
+            during=dut.pending.valid & (pending.end | dut.offset.valid) & dut.o.ready,
+            happens=dut.pending.ready,
+            name="pending: a beat is not accepted",
         )
 
         # what has come out
@@ -109,11 +112,11 @@ RECORDS = Claim(
         Fault("frame.eq(frame + 1)", "frame.eq(frame + (count != 0))", "frames are numbered", 10),
         Fault(
             "m.d.sync += self.o.valid.eq(complete)",
-            "m.d.sync += self.o.valid.eq(self.note.valid)",
+            "m.d.sync += self.o.valid.eq(self.pending.valid)",
             "records: ",
             8,
         ),
-        Fault("note.response, unused, C(END", "0, unused, C(END", "records: ", 8),
+        Fault("pending.response, unused, C(END", "0, unused, C(END", "records: ", 8),
     ),
 )
 

@@ -45,7 +45,7 @@ def simulate(
     frames: list[Frame],
     parameters: Parameters,
     *,
-    kept: Adapted = (0, False),
+    history: Adapted = (0, False),
     seed: int | None = None,
     smoothing: int = 0,
 ) -> list[Adapted]:
@@ -74,7 +74,7 @@ def simulate(
         await wait(ctx)
 
     async def bench(ctx: Any) -> None:
-        ctx.set(dut.kept, {"t1": kept[0], "known": kept[1]})
+        ctx.set(dut.history, {"t1": history[0], "known": history[1]})
         await settle(ctx)
         for responses, target in frames:
             for number, response in enumerate(responses.tolist()):
@@ -166,9 +166,9 @@ def test_smoothing(smoothing: int) -> None:
     )
 
 
-def test_what_is_kept_holds_after_reset() -> None:
+def test_what_history_says_holds_after_reset() -> None:
     frames = [(np.array([1000, 2000, 3000]), 2), (np.array([7]), 0)]
-    got = simulate(frames, PARAMETERS[0], kept=(4321, True))
+    got = simulate(frames, PARAMETERS[0], history=(4321, True))
     assert got[0] == (4321, True) and got[1] == expected(frames, PARAMETERS[0])[0] and not got[2][1]
 
 

@@ -15,7 +15,7 @@ from amaranth.sim import Simulator
 from golden.formats import BUDGET_BITS, MARGIN
 from golden.parameters import Parameters
 from hdl.build import Build
-from hdl.candidate_selection import INSIDE, CandidateSelection, note_layout
+from hdl.candidate_selection import INSIDE, CandidateSelection, pending_record_layout
 from hdl.derivatives import derivatives_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls, Stimulus
@@ -49,7 +49,7 @@ CENTRE = data.StructLayout(
 )
 
 CANDIDATES = Build.profile("paper").queue_depth
-NOTES = CANDIDATES + INSIDE
+PENDING = CANDIDATES + INSIDE
 
 
 class InStep(wiring.Component):
@@ -67,7 +67,7 @@ class InStep(wiring.Component):
                 **({"max_corners": In(BUDGET_BITS)} if parameters.budget else {}),
                 "i": In(stream.Signature(CENTRE)),
                 "candidate": Out(stream.Signature(SURFACE)),
-                "note": Out(stream.Signature(note_layout(PARAMETERS))),
+                "pending": Out(stream.Signature(pending_record_layout(PARAMETERS))),
                 "broken": Out(stream.Signature(1)),
             }
         )
@@ -97,7 +97,7 @@ class InStep(wiring.Component):
         if self._budget:
             m.d.comb += selection.max_corners.eq(self.max_corners)
         wiring.connect(m, selection.candidate, wiring.flipped(self.candidate))
-        wiring.connect(m, selection.note, wiring.flipped(self.note))
+        wiring.connect(m, selection.pending, wiring.flipped(self.pending))
         return m
 
 
@@ -123,23 +123,23 @@ def centres(sizes: list[Size], chances: tuple[float, float, float]) -> dict[str,
 
 
 def wanted(sizes: list[Size], centre: dict[str, Any]) -> tuple[Array, Words, Words]:
-    """Numbers of the centres that are candidates; their surfaces, and all notes, the frames' ends
+    """Numbers of the centres that are candidates; their surfaces, and all pending records, the frames' ends
     among them.
     """
     chosen = np.flatnonzero(centre["corner"] & centre["keep"])
     surfaces = pack(SURFACE, {name: values[chosen] for name, values in centre["surface"].items()})
     x = np.concatenate([np.tile(np.arange(width), height) for height, width in sizes]) + MARGIN
     y = np.concatenate([np.repeat(np.arange(height), width) for height, width in sizes]) + MARGIN
-    notes = {field: centre[field] for field in ("response", "textured")} | {"x": x, "y": y, "end": 0 * x}
-    notes = {field: values[chosen] for field, values in notes.items()}
+    pending = {field: centre[field] for field in ("response", "textured")} | {"x": x, "y": y, "end": 0 * x}
+    pending = {field: values[chosen] for field, values in pending.items()}
     frame_ends = np.flatnonzero(centre["eof"])
     ends = np.searchsorted(chosen, frame_ends, side="right")
-    # of an end's note the mark counts, and the largest response of the whole frame
-    of_ends: dict[str, Any] = dict.fromkeys(notes, 0)
+    # of a frame's end only the flag `end` counts, and the largest response of the whole frame
+    of_ends: dict[str, Any] = dict.fromkeys(pending, 0)
     of_ends["end"] = 1
     of_ends["response"] = np.maximum.reduceat(centre["response"], [0, *(frame_ends[:-1] + 1)])
-    notes = {field: np.insert(values, ends, of_ends[field]) for field, values in notes.items()}
-    return chosen, surfaces, pack(note_layout(PARAMETERS), notes)
+    pending = {field: np.insert(values, ends, of_ends[field]) for field, values in pending.items()}
+    return chosen, surfaces, pack(pending_record_layout(PARAMETERS), pending)
 
 
 def check(
@@ -152,21 +152,21 @@ def check(
     chosen, surfaces, expected = wanted(sizes, centre)
     quiet = 20 * int(1 / ((1 - stalls.inputs) * (1 - stalls.outputs))) + 200
     capture = engine(name, InStep).run(Stimulus({"i": pack(CENTRE, centre)}, [], stalls), quiet=quiet)
-    notes = unpack(note_layout(PARAMETERS), capture.outputs["note"])
-    # of an end's note the mark counts, and the response
-    marked = {field: notes[field] * (1 - notes["end"]) for field in ("x", "y", "textured")}
-    marked = notes | marked
-    same("note", pack(note_layout(PARAMETERS), marked), expected)
+    pending = unpack(pending_record_layout(PARAMETERS), capture.outputs["pending"])
+    # of a frame's end only the flag `end` counts, and the response
+    marked = {field: pending[field] * (1 - pending["end"]) for field in ("x", "y", "textured")}
+    marked = pending | marked
+    same("pending", pack(pending_record_layout(PARAMETERS), marked), expected)
     same("candidate", capture.outputs["candidate"], surfaces)
     assert not len(capture.outputs["broken"])
     if not stalls.outputs:
         # room for everything: each at once
-        accepted, is_end = capture.input_clocks["i"], notes["end"] == 1
+        accepted, is_end = capture.input_clocks["i"], pending["end"] == 1
         latency = CandidateSelection.latency
         assert np.array_equal(capture.output_clocks["candidate"], accepted[chosen] + latency)
-        assert np.array_equal(capture.output_clocks["note"][~is_end], accepted[chosen] + latency)
+        assert np.array_equal(capture.output_clocks["pending"][~is_end], accepted[chosen] + latency)
         frame_ends = np.flatnonzero(centre["eof"])
-        assert np.array_equal(capture.output_clocks["note"][is_end], accepted[frame_ends] + latency + 1)
+        assert np.array_equal(capture.output_clocks["pending"][is_end], accepted[frame_ends] + latency + 1)
     if stalls == NO_STALLS:
         # full rate, but for the clock that is missing between frames
         waits = np.diff(accepted) - 1
@@ -190,10 +190,10 @@ def test_none_and_all(chances: tuple[float, float, float]) -> None:
 def test_places_to_the_built_maximum() -> None:
     """The last centre of the largest frame there is in x, and in y."""
     capture = check([(2, 8192 - 2 * MARGIN), (8192 - 2 * MARGIN, 2), (1, 3)], chances=(1, 0.5, 1))
-    notes = unpack(note_layout(PARAMETERS), capture.outputs["note"])
-    corners = notes["end"] == 0
-    assert notes["x"][corners].max() == notes["y"][corners].max() == 8191 - MARGIN
-    assert notes["x"][corners].min() == notes["y"][corners].min() == MARGIN
+    pending = unpack(pending_record_layout(PARAMETERS), capture.outputs["pending"])
+    corners = pending["end"] == 0
+    assert pending["x"][corners].max() == pending["y"][corners].max() == 8191 - MARGIN
+    assert pending["x"][corners].min() == pending["y"][corners].min() == MARGIN
 
 
 @pytest.mark.parametrize("chances", [(1, 0.5, 1), (0.5, 0.5, 1), (0, 0, 0)], ids=str)
@@ -208,14 +208,14 @@ def test_full_queues_lose_nothing(chances: tuple[float, float, float], stalls: S
     check(sizes, stalls=stalls, chances=chances)
 
 
-@pytest.mark.parametrize("sink", ["candidate", "note"])
+@pytest.mark.parametrize("sink", ["candidate", "pending"])
 def test_a_blocked_output_stops_the_input_and_not_the_other_output(sink: str) -> None:
     """It goes on until the queue is nearly full, and what has gone in by then comes out on the
     other side.
     """
     dut = InStep()
-    depth = {"candidate": CANDIDATES, "note": NOTES}[sink]
-    other = dut.note if sink == "candidate" else dut.candidate
+    depth = {"candidate": CANDIDATES, "pending": PENDING}[sink]
+    other = dut.pending if sink == "candidate" else dut.candidate
 
     async def bench(ctx: Any) -> None:
         ctx.set(dut.i.valid, 1)
@@ -223,11 +223,11 @@ def test_a_blocked_output_stops_the_input_and_not_the_other_output(sink: str) ->
         ctx.set(dut.i.payload.keep, 1)
         ctx.set(other.ready, 1)
         taken = out = 0
-        for clock in range(4 * NOTES):
+        for clock in range(4 * PENDING):
             ctx.set(dut.i.payload.response, taken)
             taken += ctx.get(dut.i.ready)
             out += ctx.get(other.valid)
-            if clock >= 2 * NOTES:
+            if clock >= 2 * PENDING:
                 assert not ctx.get(dut.i.ready)
             await ctx.tick()
         assert depth - 4 < taken <= depth and out == taken
@@ -260,7 +260,7 @@ def test_limit(most: int, stalls: Stalls) -> None:
     capture = engine("compiled", InStep, Build.profile("paper", budget=True)).run(
         Stimulus({"i": pack(CENTRE, centre)}, [(0, {"max_corners": most})], stalls), quiet=500
     )
-    notes = unpack(note_layout(PARAMETERS), capture.outputs["note"])
+    pending = unpack(pending_record_layout(PARAMETERS), capture.outputs["pending"])
     chosen, surfaces, expected = wanted(sizes, centre)
     frame = np.repeat(np.arange(len(sizes)), [height * width for height, width in sizes])[chosen]
     found = np.bincount(frame, minlength=len(sizes))
@@ -269,12 +269,12 @@ def test_limit(most: int, stalls: Stalls) -> None:
     kept = np.concatenate(before) < most if most else frame >= 0
     assert not accepted.all() and kept.all() == (most in (0, 1000))
     same("candidate", capture.outputs["candidate"], surfaces[kept])
-    is_end = notes["end"] == 1
-    said = notes["x"] | notes["y"] << (notes["x"].dtype.type(13))
+    is_end = pending["end"] == 1
+    said = pending["x"] | pending["y"] << (pending["x"].dtype.type(13))
     assert said[is_end].tolist() == found.tolist()
-    corners = unpack(note_layout(PARAMETERS), expected)
+    corners = unpack(pending_record_layout(PARAMETERS), expected)
     reported = {field: values[corners["end"] == 0][kept] for field, values in corners.items()}
-    assert all(np.array_equal(notes[field][~is_end], reported[field]) for field in reported)
+    assert all(np.array_equal(pending[field][~is_end], reported[field]) for field in reported)
     assert (
         np.flatnonzero(is_end).tolist()
         == (np.cumsum(np.bincount(frame[kept], minlength=4)) + range(4)).tolist()

@@ -12,7 +12,7 @@ from golden.formats import MAX_SIDE
 from golden.output_constructor import FRAME_BITS, FrameEnd, decode, decode_frame_end, encode, encode_frame_end
 from golden.subpixel import Offset
 from hdl.build import Build
-from hdl.candidate_selection import note_layout
+from hdl.candidate_selection import pending_record_layout
 from hdl.output_constructor import OutputConstructor, record_layout
 from hdl.subpixel import offset_layout
 from sim.engine import EngineName, SimulationHang
@@ -45,7 +45,7 @@ def check(
 
     x, y = values(ABOVE, MAX_SIDE - 2), values(ABOVE, MAX_SIDE - 2)
     response, textured = values(0, full), values(0, 1)
-    note = {"x": x, "y": y, "response": response, "textured": textured, "end": end}
+    pending = {"x": x, "y": y, "response": response, "textured": textured, "end": end}
     not_maximum = rng.integers(0, 3, total) == 0
     clamped = (rng.integers(0, 3, total) == 0) & ~not_maximum
     offset = Offset(values(-64, 64), values(-64, 64), clamped, not_maximum)
@@ -62,7 +62,7 @@ def check(
     capture = run(
         engine(name, OutputConstructor, parameters),
         {
-            "note": pack(note_layout(parameters), note),
+            "pending": pack(pending_record_layout(parameters), pending),
             # one for each corner
             "offset": pack(offset_layout(), {field: value[end == 0] for field, value in offsets.items()}),
         },
@@ -70,8 +70,8 @@ def check(
         stalls,
     )
     if stalls == NO_STALLS:
-        assert_timing(capture, OutputConstructor.latency, i="note")
-        assert np.array_equal(capture.input_clocks["offset"], capture.input_clocks["note"][end == 0])
+        assert_timing(capture, OutputConstructor.latency, i="pending")
+        assert np.array_equal(capture.input_clocks["offset"], capture.input_clocks["pending"][end == 0])
     return capture
 
 
@@ -101,14 +101,16 @@ def test_by_hand(name: EngineName) -> None:
     end.
     """
     parameters = Build.profile("paper")
-    note = {"x": [10, 0], "y": [20, 0], "response": [300, 5000], "textured": [1, 0], "end": [0, 1]}
+    pending = {"x": [10, 0], "y": [20, 0], "response": [300, 5000], "textured": [1, 0], "end": [0, 1]}
     offset = {"dx": [64], "dy": [-1], "clamped": [1], "not_maximum": [0]}
     corner = 1344 | 2559 << 20 | 300 << 40 | 0b101 << 61
     end = 1 | 0 << 24 | 5000 << 40 | 0b011 << 61
     capture = run(
         engine(name, OutputConstructor, parameters),
         {
-            "note": pack(note_layout(parameters), {key: np.array(value) for key, value in note.items()}),
+            "pending": pack(
+                pending_record_layout(parameters), {key: np.array(value) for key, value in pending.items()}
+            ),
             "offset": pack(offset_layout(), {key: np.array(value) for key, value in offset.items()}),
         },
         {"o": np.array([[corner, 0], [end, 1]], np.uint64)},
@@ -121,14 +123,14 @@ def test_a_corner_waits_for_its_offset() -> None:
     """And the end behind it, which waits for nothing else."""
     parameters = Build.profile("paper")
     zeros = np.zeros(3, np.int64)
-    note = {"x": zeros, "y": zeros, "response": zeros, "textured": zeros, "end": np.array([0, 0, 1])}
+    pending = {"x": zeros, "y": zeros, "response": zeros, "textured": zeros, "end": np.array([0, 0, 1])}
     offset = dict.fromkeys(("dx", "dy", "clamped", "not_maximum"), zeros[:1])
     runner = engine("compiled", OutputConstructor, parameters)
     inputs = {
-        "note": pack(note_layout(parameters), note),
+        "pending": pack(pending_record_layout(parameters), pending),
         "offset": pack(offset_layout(), offset),
     }
-    with pytest.raises(SimulationHang, match=r"note 1 of 3 in, offset 1 of 1 in, .*o 1 out"):
+    with pytest.raises(SimulationHang, match=r"pending 1 of 3 in, offset 1 of 1 in, .*o 1 out"):
         runner.run(Stimulus(inputs), max_clocks=100)
 
 

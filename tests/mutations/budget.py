@@ -84,8 +84,8 @@ BUDGET_MUTATIONS = {
     ),
     "a cut frame takes T1 with it": (
         "hdl/edges/video_detector.py",
-        "self.kept.eq(self._detector.adapted)",
-        "self.kept.eq(0)",
+        "self.history.eq(self._detector.adapted)",
+        "self.history.eq(0)",
         "tests/hdl/edges/test_video_detector.py",
         "settings_change and robust-budget and flowing",
     ),

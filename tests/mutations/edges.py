@@ -42,8 +42,8 @@ EDGE_MUTATIONS = {
     ),
     "pixels are marked that can be no corner": (
         "hdl/edges/overlay.py",
-        "marked & self.mark.payload.corner",
-        "self.mark.valid & self.mark.payload.corner",
+        "marked & self.corner_flags.payload.corner",
+        "self.corner_flags.valid & self.corner_flags.payload.corner",
         "tests/hdl/edges/test_overlay.py",
         "pixels_and_corners",
     ),
