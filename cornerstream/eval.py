@@ -17,11 +17,12 @@ from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import GIVEN_PATH, output_option
 from cornerstream.own_data import load_boards, load_images, load_pairs, load_video
 from cornerstream.tools import running_tools
+from evaluation.figures import Figures
 from evaluation.inputs.packages import MissingPackageError
 from evaluation.report.page import FIGURES_NAME, PAGE_NAME, PICTURES, page
 from evaluation.report.pictures import pictures
 from evaluation.report.plots import plots
-from evaluation.report.study import NOT_QUICK, SECTIONS, Own, Record, Section, check_packages, study
+from evaluation.report.study import NOT_QUICK, SECTIONS, Section, UserData, check_packages, study
 from golden import PROFILES, Parameters
 
 
@@ -125,7 +126,7 @@ def evaluate(
             check_packages(sections, quick=quick, images=bool(images), videos=bool(videos))
         if output:
             prepare_folder(output)
-        own = Own(
+        own = UserData(
             images=load_images(images) if images else [],
             pairs=load_pairs(pairs) if pairs else [],
             videos=[pair for video in videos for pair in load_video(video)],
@@ -192,13 +193,13 @@ def _refuse_idle(
     )
 
 
-def _page(result: Record, folder: Path) -> dict[Path, bytes]:
+def _page(result: Figures, folder: Path) -> dict[Path, bytes]:
     files = {folder / PAGE_NAME: page(result).encode()}
     drawn = plots(result)
     return files | {folder / PICTURES / name: content for name, content in drawn.items()}
 
 
-def _write(result: Record, folder: Path, chosen: dict[str, Parameters]) -> None:
+def _write(result: Figures, folder: Path, chosen: dict[str, Parameters]) -> None:
     # first, because they took minutes, and the page can be written from them
     figures = {folder / FIGURES_NAME: figures_text(result).encode()}
     write_all(figures)
@@ -217,7 +218,7 @@ def _write_files(files: dict[Path, bytes]) -> None:
     write_all(files)
 
 
-def figures_text(result: Record) -> str:
+def figures_text(result: Figures) -> str:
     """The figures as JSON in lines of a useful length: a list of numbers stays on one."""
     text = json.dumps(result, indent=1)
     return re.sub(r"\[[^\[\]{}\"]*\]", lambda found: re.sub(r"\s+", " ", found[0]), text) + "\n"

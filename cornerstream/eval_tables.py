@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from rich.table import Table
 
+from evaluation.figures import Figures
 from evaluation.methods.detectors import PLAIN
 from evaluation.report.markdown import figure, percent, spread
 from evaluation.report.page import flicker, hot_pixels
 from evaluation.report.paper_accuracy import MEAN_ERROR, MEAN_ERROR_INTEGER
 from evaluation.report.study import Section
-
-Record = dict[str, Any]
 
 TABULATED: tuple[Section, ...] = (
     *("accuracy", "table5", "chessboards", "repeatability", "robustness"),
@@ -22,7 +20,7 @@ TABULATED: tuple[Section, ...] = (
 """Sections that have a table here; all of them are on the page and in the JSON."""
 
 
-def tables(study: Record) -> Iterator[Table]:
+def tables(study: Figures) -> Iterator[Table]:
     """A table for each section that was measured."""
     if "accuracy" in study:
         yield _accuracy(study["accuracy"])
@@ -58,7 +56,7 @@ def _table(title: str, *headings: str, caption: str | None = None) -> Table:
     return table
 
 
-def _accuracy(accuracy: Record) -> Table:
+def _accuracy(accuracy: Figures) -> Table:
     table = _table(
         "Rendered corners: distance to the true corner, px",
         *("profile", "corner", "found", "accepted", "method", "median", "95 %", "bias x", "bias y"),
@@ -80,12 +78,12 @@ def _own(method: str, fit: str) -> str:
     return f"{method} *" if method == fit else method
 
 
-def _errors(each: Record) -> list[str]:
+def _errors(each: Figures) -> list[str]:
     medians = [spread(each[name], each[f"{name}_interval"], 3) for name in ("median", "p95")]
     return medians + [spread(each[name], None, 3) for name in ("bias_x", "bias_y")]
 
 
-def _table_5(table_5: Record) -> Table:
+def _table_5(table_5: Figures) -> Table:
     table = _table(
         "The paper's Table 5: mean of |dx| and |dy| over its eight images, px",
         *("profile", "method", "x", "y", "at random positions: x", "y"),
@@ -101,7 +99,7 @@ def _table_5(table_5: Record) -> Table:
     return table
 
 
-def _chessboards(name: str, boards: Record) -> Table:
+def _chessboards(name: str, boards: Figures) -> Table:
     table = _table(
         f"Chessboards, {name}: distance to the reference, px ({boards['boards']} boards)",
         *("profile", "found", "accepted", "method", "median", "95 %", "bias x", "bias y"),
@@ -116,7 +114,7 @@ def _chessboards(name: str, boards: Record) -> Table:
     return table
 
 
-def _by_mode(title: str, modes: Record, measure: str, caption: str) -> Table:
+def _by_mode(title: str, modes: Figures, measure: str, caption: str) -> Table:
     table = _table(
         title, "mode", "detector", "corners", "all", *_groups(modes), "gain over D", caption=caption
     )
@@ -132,12 +130,12 @@ def _by_mode(title: str, modes: Record, measure: str, caption: str) -> Table:
     return table
 
 
-def _groups(modes: Record) -> list[str]:
+def _groups(modes: Figures) -> list[str]:
     parts = next(iter(next(iter(modes.values())).values()))
     return [name for name in parts if name not in ("all", "views", "video", "rendered")][:2]
 
 
-def _repeatability(title: str, found: Record) -> Table:
+def _repeatability(title: str, found: Figures) -> Table:
     return _by_mode(
         f"Repeatability at {found['tolerance']} px, {title} ({found['pairs']} pairs)",
         *(found["modes"], "repeatability"),
@@ -145,7 +143,7 @@ def _repeatability(title: str, found: Record) -> Table:
     )
 
 
-def _robustness(found: Record) -> Table:
+def _robustness(found: Figures) -> Table:
     return _by_mode(
         f"Robustness rho = tracked / detected ({found['pairs']} pairs)",
         *(found["modes"], "rho"),

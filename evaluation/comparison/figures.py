@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from evaluation.comparison.speed import mirrored_photograph
+from evaluation.figures import Figures
 from flow.quartus import find_memories, ports_of, split_modules
 from flow.verilog import MODULE, emit_verilog
 from golden import PROFILES, Settings, StreamModel
@@ -30,7 +31,6 @@ from hdl.detector import Detector
 from sim import compare, make_engine, simulate_frames, summarize
 
 Notify = Callable[[str], None]
-Record = dict[str, Any]
 
 SIZES = ((1920, 1080), (1200, 720), (512, 512), (200, 200))
 """Widths and heights of the paper's Table 3."""
@@ -99,7 +99,7 @@ def builds(sizes: Iterable[tuple[int, int]] = SIZES) -> list[Variant]:
     ]
 
 
-def structure(parameters: Build) -> Record:
+def structure(parameters: Build) -> Figures:
     """What the Verilog itself tells, without any tool: the bits of its memories and of its ports,
     and its digest.
     """
@@ -113,7 +113,7 @@ def structure(parameters: Build) -> Record:
     }
 
 
-def clocks(parameters: Build, notify: Notify | None = None) -> Record:
+def clocks(parameters: Build, notify: Notify | None = None) -> Figures:
     """Clocks per frame, counted in a simulation of the built size, whose records must be the golden
     model's.
 
@@ -135,7 +135,7 @@ def clocks(parameters: Build, notify: Notify | None = None) -> Record:
     return {"clocks_per_frame": second.clocks, "corners": len(second.records) - 1, "engine": engine.name}
 
 
-def area(parameters: Build) -> Record:
+def area(parameters: Build) -> Figures:
     """LUTs, flip-flops, memories and multipliers after synthesis for Cyclone IV."""
     from flow.cyclone4.synthesis import synthesize
 
@@ -143,7 +143,7 @@ def area(parameters: Build) -> Record:
     return {field: getattr(total, field) for field in AREA_FIELDS}
 
 
-def timing(parameters: Build) -> Record:
+def timing(parameters: Build) -> Figures:
     """Fmax after place and route for ECP5, which stands in for Cyclone IV."""
     from flow.ecp5.timing import place_and_route
 
@@ -158,7 +158,7 @@ def measure(
     place: bool = True,
     jobs: int = 1,
     notify: Notify | None = None,
-) -> Record:
+) -> Figures:
     """Everything about some builds.
 
     Parameters
@@ -234,12 +234,12 @@ def _end_workers() -> None:
 
 def _measure_one(
     build: Variant, *, cache: Path, synthesis: bool, place: bool, notify: Notify | None
-) -> Record:
+) -> Figures:
     say = notify or (lambda line: None)
     parameters = build.parameters
-    figures: Record = asdict(build) | structure(parameters)
+    figures: Figures = asdict(build) | structure(parameters)
     figures |= dict.fromkeys((*AREA_FIELDS, "fmax_mhz", "seed"))
-    steps: dict[str, Callable[[], Record]] = {"clocks": partial(clocks, parameters, notify)}
+    steps: dict[str, Callable[[], Figures]] = {"clocks": partial(clocks, parameters, notify)}
     if synthesis:
         steps["area"] = partial(area, parameters)
     if place and (build.width, build.height) in PLACED:
@@ -252,7 +252,7 @@ def _measure_one(
     return figures
 
 
-def _kept(path: Path, key: object, action: Callable[[], Record], announce: Callable[[], object]) -> Record:
+def _kept(path: Path, key: object, action: Callable[[], Figures], announce: Callable[[], object]) -> Figures:
     try:
         kept = json.loads(path.read_text(encoding="utf-8"))
         if kept["key"] == key:

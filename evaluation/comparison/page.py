@@ -5,7 +5,8 @@ measures them.
 from __future__ import annotations
 
 from evaluation.comparison import paper_tables as paper
-from evaluation.comparison.figures import SIZES, Record
+from evaluation.comparison.figures import SIZES
+from evaluation.figures import Figures
 from evaluation.report.markdown import number, table
 
 FIGURES_NAME = "comparison.json"
@@ -15,7 +16,7 @@ _VARIANT = "cornerstream, `{profile}`, `{buffering}`"
 _CLOCK_HZ = paper.CLOCK_MHZ * 1_000_000
 
 
-def page(figures: Record) -> str:
+def page(figures: Figures) -> str:
     """The whole page, as Markdown.
 
     Parameters
@@ -24,7 +25,7 @@ def page(figures: Record) -> str:
         As ``comparison.figures.measure`` returns them. Sizes that are missing are left out; a
         figure that was not measured is a dash.
     """
-    builds: list[Record] = figures["builds"]
+    builds: list[Figures] = figures["builds"]
     parts = [
         _INTRODUCTION,
         *_summary(builds),
@@ -49,11 +50,11 @@ def _percent(part: float | None, whole: float) -> str:
     return "–" if part is None else f"{100 * part / whole:.0f} %"
 
 
-def _variant(build: Record) -> str:
+def _variant(build: Figures) -> str:
     return _VARIANT.format(**build)
 
 
-def _short(build: Record) -> str:
+def _short(build: Figures) -> str:
     return f"`{build['profile']}`, `{build['buffering']}`"
 
 
@@ -61,19 +62,19 @@ def _size(width: int, height: int) -> str:
     return f"{width}×{height}"
 
 
-def _of_size(builds: list[Record], size: tuple[int, int]) -> list[Record]:
+def _of_size(builds: list[Figures], size: tuple[int, int]) -> list[Figures]:
     return [build for build in builds if (build["width"], build["height"]) == size]
 
 
-def _frames(build: Record, hertz: float | None) -> float | None:
+def _frames(build: Figures, hertz: float | None) -> float | None:
     return None if hertz is None else hertz / build["clocks_per_frame"]
 
 
-def _fmax_hz(build: Record) -> float | None:
+def _fmax_hz(build: Figures) -> float | None:
     return None if build["fmax_mhz"] is None else build["fmax_mhz"] * 1e6
 
 
-def _summary(builds: list[Record]) -> list[str]:
+def _summary(builds: list[Figures]) -> list[str]:
     rows = []
     theirs = {row.name: row.demand for row in paper.TABLE_1}
     elements, bits = theirs["Total logic elements"], theirs["Total memory bits"]
@@ -98,7 +99,7 @@ def _summary(builds: list[Record]) -> list[str]:
     ]
 
 
-def _table_1(builds: list[Record]) -> list[str]:
+def _table_1(builds: list[Figures]) -> list[str]:
     chosen = _of_size(builds, paper.SIZE)
     wholes = {
         "Total logic elements": paper.DEVICE_LOGIC_ELEMENTS,
@@ -128,7 +129,7 @@ def _table_1(builds: list[Record]) -> list[str]:
     ]
 
 
-def _table_2(builds: list[Record]) -> list[str]:
+def _table_2(builds: list[Figures]) -> list[str]:
     rows = [
         [row.method, number(row.logic_elements), number(row.block_rams), row.approach, *_extras(row.method)]
         for row in paper.TABLE_2
@@ -160,7 +161,7 @@ def _extras(method: str) -> tuple[str, str]:
     return ("yes", "yes") if method == paper.NAME else ("no", "no")
 
 
-def _table_3(builds: list[Record]) -> list[str]:
+def _table_3(builds: list[Figures]) -> list[str]:
     rows = []
     for row in paper.TABLE_3:
         area = row.width * row.height
@@ -176,7 +177,7 @@ def _table_3(builds: list[Record]) -> list[str]:
     return [f"## Table 3: speed at {paper.CLOCK_MHZ} MHz", table(headings, rows, "ll")]
 
 
-def _table_4(builds: list[Record]) -> list[str]:
+def _table_4(builds: list[Figures]) -> list[str]:
     rows = [
         [
             row.method + ("⁹" if "Amaricai" in row.method else ""),
@@ -210,7 +211,7 @@ def _table_4(builds: list[Record]) -> list[str]:
     return ["## Table 4: speed of other designs", table(headings, rows, "ll")]
 
 
-def _every_build(builds: list[Record]) -> list[str]:
+def _every_build(builds: list[Figures]) -> list[str]:
     rows = []
     for build in builds:
         rows.append(
@@ -238,7 +239,7 @@ def _every_build(builds: list[Record]) -> list[str]:
     return ["## Every build", table(headings, rows, "ll")]
 
 
-def _notes(figures: Record) -> list[str]:
+def _notes(figures: Figures) -> list[str]:
     tools = {tool: number or "not installed" for tool, number in figures["tools"].items()}
     engines = sorted({build["engine"] for build in figures["builds"]})
     seeds = sorted({build["seed"] for build in figures["builds"] if build["seed"] is not None})

@@ -183,7 +183,7 @@ def detectors(profiles: dict[str, Parameters]) -> list[Detector]:
     return [*ours, GoodFeaturesToTrack(), Fast(), Chance()]
 
 
-class Memory:
+class DetectionCache:
     """Corners that were asked for before, by detector, image and thresholds."""
 
     def __init__(self) -> None:

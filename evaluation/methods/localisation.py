@@ -28,7 +28,7 @@ SUBPIX_STEP = 0.01
 
 
 @dataclass(frozen=True)
-class Placements:
+class Localisation:
     """All corners of an image, by each method.
 
     Attributes
@@ -69,7 +69,7 @@ def _variants(parameters: Parameters) -> dict[str, Parameters]:
     return variants
 
 
-def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> Placements:
+def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> Localisation:
     """Find corners once, and place them by every method.
 
     What is a corner, and whether it is textured, does not depend on the fit, nor does the order.
@@ -81,7 +81,7 @@ def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) 
     positions |= {name: np.column_stack([corners.x, corners.y]) for name, corners in found.items()}
     positions[OPENCV] = corner_sub_pix(image, pixels)
     assert len({len(each) for each in positions.values()}) == 1, "rows are not the same corners"
-    return Placements(positions, found[parameters.algorithm.fit].accepted)
+    return Localisation(positions, found[parameters.algorithm.fit].accepted)
 
 
 def whole_pixels(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> NDArray[np.int64]:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from evaluation.figures import Figures
 from evaluation.inputs.scenes import BLURS, CONTRASTS, KINDS, NOISES, OPENINGS
 from evaluation.inputs.sources import FRAMES_APART, PAIRS_PER_VIDEO, STRUCTURE, TEXTURE
 from evaluation.inputs.views import VIEWS
@@ -19,8 +20,6 @@ from evaluation.report.word_lengths_page import word_lengths_tables
 from evaluation.sections.accuracy import WITHIN
 from flow.templates import render
 
-Record = dict[str, Any]
-
 FIGURES_NAME = "evaluation.json"
 PAGE_NAME = "evaluation.md"
 PICTURES = "evaluation"
@@ -29,7 +28,7 @@ FEWEST = 10
 """Corners per image below which nothing is said of them."""
 
 
-def page(study: Record) -> str:
+def page(study: Figures) -> str:
     """The whole page, as Markdown. What was not measured is left out."""
     known = {
         "about": study["about"],
@@ -68,7 +67,7 @@ def _list(values: tuple[float, ...]) -> str:
     return f"{', '.join(first)} and {last}"
 
 
-def _median(each: Record) -> str:
+def _median(each: Figures) -> str:
     return spread(each["median"], each["median_interval"])
 
 
@@ -76,7 +75,7 @@ def _named(method: str, fit: str) -> str:
     return f"**{method}**" if method == fit else method
 
 
-def _summary(study: Record) -> str | None:
+def _summary(study: Figures) -> str | None:
     """What a user wants to know first; None unless all of it was measured."""
     if not all(study.get(name) for name in ("accuracy", "chessboards", "repeatability", "robustness")):
         return None
@@ -109,7 +108,7 @@ def _summary(study: Record) -> str | None:
     return table(headings, rows)
 
 
-def _accuracy(accuracy: Record) -> Record:
+def _accuracy(accuracy: Figures) -> Figures:
     tables = []
     for profile, kinds in accuracy.items():
         methods = [_named(method, kinds["fit"]) for method in kinds[KINDS[0]]["methods"]]
@@ -127,7 +126,7 @@ def _accuracy(accuracy: Record) -> Record:
     return {"scenes": scenes, "tables": tables, "bias": _bias(accuracy)}
 
 
-def _bias(accuracy: Record) -> str:
+def _bias(accuracy: Figures) -> str:
     rows = []
     for profile, kinds in accuracy.items():
         for method, inwards in kinds["L"]["inwards"].items():
@@ -139,7 +138,7 @@ def _bias(accuracy: Record) -> str:
     return table(["profile", "method", "L: x", "y", "saddle: x", "y", "L: inwards"], rows, "ll")
 
 
-def _table_5(found: Record) -> Record:
+def _table_5(found: Figures) -> Figures:
     headings = ["image", "paper: Shi-Tomasi", "paper: this work"]
     for profile, figures in found.items():
         headings += [f"`{profile}`: whole pixel", f"`{profile}`: {figures['fit']}"]
@@ -160,7 +159,7 @@ def _position(position: Any, digits: int = 2) -> str:
     return "–" if position is None else f"{position[0]:.{digits}f}, {position[1]:.{digits}f}"
 
 
-def _table_5_means(found: Record) -> Iterator[list[str]]:
+def _table_5_means(found: Figures) -> Iterator[list[str]]:
     for text, error in (("whole pixel", paper.MEAN_ERROR_INTEGER), ("surface", paper.MEAN_ERROR)):
         yield ["the paper", text, *(f"{axis:g}" for axis in error), "", "", "", ""]
     for profile, figures in found.items():
@@ -170,7 +169,7 @@ def _table_5_means(found: Record) -> Iterator[list[str]]:
             yield [f"`{profile}`", _named(method, figures["fit"]), *cells]
 
 
-def _boards(name: str, boards: Record) -> Record:
+def _boards(name: str, boards: Figures) -> Figures:
     tables = []
     for profile, figures in boards["profiles"].items():
         methods = [_named(method, figures["fit"]) for method in figures["methods"]]
@@ -191,7 +190,7 @@ def _boards(name: str, boards: Record) -> Record:
     }
 
 
-def _repeatability(found: Record) -> Record:
+def _repeatability(found: Figures) -> Figures:
     equal = found["modes"][MODES[0].name]
     fits = [
         [name, figure(each["repeatability"], 3), figure(each["localisation"], 3)]
@@ -212,7 +211,7 @@ def _repeatability(found: Record) -> Record:
     }
 
 
-def _modes(modes: Record, measure: str, other: str | None) -> Iterator[tuple[str, str]]:
+def _modes(modes: Figures, measure: str, other: str | None) -> Iterator[tuple[str, str]]:
     for mode, each in modes.items():
         parts = next(iter(each.values()))
         groups = [part for part in parts if part not in ("all", "views", "video", "rendered")][:2]
@@ -222,7 +221,7 @@ def _modes(modes: Record, measure: str, other: str | None) -> Iterator[tuple[str
         yield title, table(headings, _mode_rows(each, groups, measure, other))
 
 
-def _mode_rows(each: Record, groups: list[str], measure: str, other: str | None) -> Iterator[list[str]]:
+def _mode_rows(each: Figures, groups: list[str], measure: str, other: str | None) -> Iterator[list[str]]:
     for name, parts in each.items():
         everything = parts["all"]
         cells = [name, number(everything["corners"])]
@@ -237,7 +236,7 @@ def _mode_rows(each: Record, groups: list[str], measure: str, other: str | None)
         yield cells
 
 
-def _texture(found: Record) -> Record:
+def _texture(found: Figures) -> Figures:
     rows = []
     for name, measures in found["steps"].items():
         cells = [name, number(measures["repeatability"]["all"]["corners"])]
@@ -256,7 +255,7 @@ def _texture(found: Record) -> Record:
     return {"table": table(["each with those before it", "corners", *headings], rows), **gains}
 
 
-def _adaptation(found: Record) -> Record:
+def _adaptation(found: Figures) -> Figures:
     rows = [
         [target, law, number(series["summary"]["frames"]), f"{100 * series['summary']['median_error']:.0f} %"]
         + [f"{100 * share:.0f} %" for share in series["summary"]["within"].values()]
@@ -269,7 +268,7 @@ def _adaptation(found: Record) -> Record:
     return {"size": "×".join(map(str, found["size"])), "table": table(headings, rows, "ll")}
 
 
-def hot_pixels(found: Record) -> tuple[list[str], list[list[str]]]:
+def hot_pixels(found: Figures) -> tuple[list[str], list[list[str]]]:
     """Headings and rows: corners with hot pixels over corners without, by reference."""
     profiles = found["profiles"]
     counts = list(next(iter(next(iter(profiles.values()))["hot"].values())))
@@ -283,7 +282,7 @@ def hot_pixels(found: Record) -> tuple[list[str], list[list[str]]]:
     return headings, rows
 
 
-def flicker(found: Record) -> tuple[list[str], list[list[str]]]:
+def flicker(found: Figures) -> tuple[list[str], list[list[str]]]:
     """Headings and rows: corners in frames of full and of less light by turns, by reference."""
     profiles = found["profiles"]
     headings = [
@@ -295,7 +294,7 @@ def flicker(found: Record) -> tuple[list[str], list[list[str]]]:
     return headings, rows
 
 
-def _references(found: Record) -> Record:
+def _references(found: Figures) -> Figures:
     named = ("photographs", "sigma1", "draws", "contrast", "floor")
     return {
         **{name: found[name] for name in named},
@@ -305,7 +304,7 @@ def _references(found: Record) -> Record:
     }
 
 
-def _robustness(found: Record) -> Record:
+def _robustness(found: Figures) -> Figures:
     return {
         "pairs": found["pairs"],
         "table_6": _table_6(found["modes"], found["videos"]),
@@ -313,7 +312,7 @@ def _robustness(found: Record) -> Record:
     }
 
 
-def _table_6(modes: Record, videos: list[str]) -> str:
+def _table_6(modes: Figures, videos: list[str]) -> str:
     rows = [
         ["the paper", f"{index}", _share(*row.shi_tomasi), _share(*row.paper), "", ""]
         for index, row in enumerate(paper.TABLE_6, start=1)

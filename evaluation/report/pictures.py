@@ -33,7 +33,7 @@ def pictures(profiles: dict[str, Parameters]) -> dict[str, bytes]:
     """File names and contents."""
     parameters = profiles.get("robust", next(iter(profiles.values())))
     return {
-        "placements.png": _scenes(_chosen(), parameters, columns=6),
+        "localisation.png": _scenes(_chosen(), parameters, columns=6),
         "table5.png": _scenes(paper_scenes(), parameters, columns=4),
         "chessboard.jpg": _board(parameters),
         "repeated.jpg": _repeated(profiles),
@@ -50,12 +50,12 @@ def _scenes(scenes: list[Scene], parameters: Parameters, columns: int) -> bytes:
     drawn = figure(1.6 * columns, 1.75 * rows + 0.3)
     grid = drawn.subplots(rows, columns, squeeze=False)
     for axes, each in zip(grid.flat, scenes, strict=True):
-        placements = place(each.image, parameters, Settings.default(parameters))
-        corner = placements.nearest(each.x, each.y, WITHIN)
+        localisation = place(each.image, parameters, Settings.default(parameters))
+        corner = localisation.nearest(each.x, each.y, WITHIN)
         _show(axes, each.image)
         axes.plot(each.x, each.y, "+", color="red", markersize=18, markeredgewidth=1, label="true corner")
         if corner is not None:
-            _mark(axes, {name: placements.positions[name][[corner]] for name in SHOWN})
+            _mark(axes, {name: localisation.positions[name][[corner]] for name in SHOWN})
         axes.set_xlim(each.x - _REACH, each.x + _REACH)
         axes.set_ylim(each.y + _REACH, each.y - _REACH)
         axes.set_title(each.kind, fontsize="small")
@@ -86,17 +86,17 @@ def _mark(axes: Axes, positions: dict[str, np.ndarray], size: float = 6) -> None
 def _board(parameters: Parameters) -> bytes:
     board = rendered_board(0)
     assert board.truth is not None
-    placements = place(board.image, parameters, Settings.default(parameters))
-    chosen = np.array([placements.nearest(x, y, WITHIN) for x, y in board.truth])
+    localisation = place(board.image, parameters, Settings.default(parameters))
+    chosen = np.array([localisation.nearest(x, y, WITHIN) for x, y in board.truth])
     drawn = figure(9.6, 3)
     whole, *details = drawn.subplots(1, 4, width_ratios=(1.45, 1, 1, 1))
     _show(whole, board.image)
-    _mark(whole, {"gradient": placements.positions["gradient"][chosen]}, size=3)
+    _mark(whole, {"gradient": localisation.positions["gradient"][chosen]}, size=3)
     for axes, index in zip(details, (0, 22, len(chosen) - 1), strict=True):
         _show(axes, board.image)
         x, y = board.truth[index]
         axes.plot(x, y, "+", color="red", markersize=22, markeredgewidth=1, label="true corner")
-        _mark(axes, {name: placements.positions[name][[chosen[index]]] for name in SHOWN})
+        _mark(axes, {name: localisation.positions[name][[chosen[index]]] for name in SHOWN})
         axes.set_xlim(x - _REACH, x + _REACH)
         axes.set_ylim(y + _REACH, y - _REACH)
     _legend(drawn, details[0])

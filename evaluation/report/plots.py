@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from evaluation.figures import Figures
 from evaluation.inputs.scenes import KINDS
 from evaluation.inputs.sources import STRUCTURE, TEXTURE
 from evaluation.methods.detectors import MODES, PIXELS_PER_CORNER, PLAIN, WITHOUT
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Record = dict[str, Any]
 
 COLOURS = {
     INTEGER: "#999999",
@@ -42,7 +42,7 @@ COLOURS = {
 _DPI = 100
 FEWEST = 10
 """Corners per image below which rho is not drawn."""
-NOTHING: Record = {"value": None, "interval": None}
+NOTHING: Figures = {"value": None, "interval": None}
 
 
 def colour(name: str) -> str:
@@ -67,7 +67,7 @@ def encoded(drawn: Figure, kind: str = "png") -> bytes:
     return file.getvalue()
 
 
-def plots(study: Record) -> dict[str, bytes]:
+def plots(study: Figures) -> dict[str, bytes]:
     """File names and contents; of what was not measured there is none."""
     drawn = {}
     if "accuracy" in study:
@@ -87,7 +87,7 @@ def plots(study: Record) -> dict[str, bytes]:
     return drawn
 
 
-def _bars(axes: Axes, places: np.ndarray, estimates: list[Record], **style: Any) -> None:
+def _bars(axes: Axes, places: np.ndarray, estimates: list[Figures], **style: Any) -> None:
     """Bars with their intervals; a missing figure is no bar."""
     for place, each in zip(places, estimates, strict=True):
         if each["value"] is None:
@@ -103,7 +103,7 @@ def _own(axes: Axes) -> None:
     axes.tick_params(labelsize="small")
 
 
-def _accuracy(accuracy: Record) -> Figure:
+def _accuracy(accuracy: Figures) -> Figure:
     drawn = figure(9, 3.6)
     left, right = drawn.subplots(1, 2, width_ratios=(1.5, 1))
     profile = "robust" if "robust" in accuracy else next(iter(accuracy))
@@ -136,7 +136,7 @@ def _accuracy(accuracy: Record) -> Figure:
     return drawn
 
 
-def _repeatability(found: Record) -> Figure:
+def _repeatability(found: Figures) -> Figure:
     drawn = figure(9, 3.6)
     left, right = drawn.subplots(1, 2, width_ratios=(1.25, 1))
     equal = found["modes"][MODES[0].name]
@@ -163,7 +163,7 @@ def _repeatability(found: Record) -> Figure:
     return drawn
 
 
-def _robustness(found: Record) -> Figure:
+def _robustness(found: Figures) -> Figure:
     drawn = figure(9, 3.6)
     axes = drawn.subplots()
     modes = [name for name, each in found["modes"].items() if any(_some(part) for part in each.values())]
@@ -187,7 +187,7 @@ def _robustness(found: Record) -> Figure:
     return drawn
 
 
-def _texture(steps: Record) -> Figure:
+def _texture(steps: Figures) -> Figure:
     drawn = figure(9, 3)
     names = [name for name in steps if name != PLAIN]
     for axes, measure in zip(drawn.subplots(1, 2, sharey=True), ("repeatability", "rho"), strict=True):
@@ -212,5 +212,5 @@ def _texture(steps: Record) -> Figure:
     return drawn
 
 
-def _some(part: Record) -> bool:
+def _some(part: Figures) -> bool:
     return (part["all"]["corners"] or 0) >= FEWEST

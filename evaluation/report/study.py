@@ -8,8 +8,9 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from itertools import count
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
+from evaluation.figures import Figures
 from evaluation.inputs import boards, scenes, views
 from evaluation.inputs.boards import Board, rendered_boards
 from evaluation.inputs.packages import opencv
@@ -30,7 +31,6 @@ from flow.yowasp import require
 from golden import PROFILES, Parameters, Settings
 from golden.version import VERSION
 
-Record = dict[str, Any]
 Section = Literal[
     "accuracy",
     "table5",
@@ -54,7 +54,7 @@ steps done.
 
 
 @dataclass
-class Own:
+class UserData:
     """What the user gave to be measured on; what is empty is replaced by what packages ship, or by
     rendered scenes.
 
@@ -76,7 +76,7 @@ class Own:
     boards: list[Board] = field(default_factory=list)
 
 
-def about(profiles: dict[str, Parameters], *, quick: bool) -> Record:
+def about(profiles: dict[str, Parameters], *, quick: bool) -> Figures:
     """What was measured with what."""
     packages = ("opencv-python-headless", "numpy", "scikit-image", "scikit-learn", "scikit-video")
     return {
@@ -138,9 +138,9 @@ def study(
     profiles: dict[str, Parameters] | None = None,
     sections: Sequence[Section] = SECTIONS,
     quick: bool = False,
-    own: Own | None = None,
+    own: UserData | None = None,
     progress: Progress = _silent,
-) -> Record:
+) -> Figures:
     """Measure.
 
     Parameters
@@ -160,9 +160,9 @@ def study(
         Synthesis, for ``"word_lengths"``, is not possible.
     """
     profiles = profiles or {name: Parameters.profile(name) for name in PROFILES}
-    own = own or Own()
+    own = own or UserData()
     opencv().setNumThreads(1)
-    result: Record = {"about": about(profiles, quick=quick)}
+    result: Figures = {"about": about(profiles, quick=quick)}
     if "accuracy" in sections:
         total = len(scenes.KINDS) * len(scenes.wide_set("L", quick=quick))
         with progress("rendered corners", total) as advance:
@@ -191,9 +191,9 @@ def study(
     return result
 
 
-def _chessboards(profiles: dict[str, Parameters], quick: bool, own: Own, progress: Progress) -> Record:
+def _chessboards(profiles: dict[str, Parameters], quick: bool, own: UserData, progress: Progress) -> Figures:
     rendered = rendered_boards(quick=quick)
-    result: Record = {}
+    result: Figures = {}
     for name, some in (("rendered", rendered), ("photographed", own.boards)):
         with progress(f"{name} chessboards", len(some)) as advance:
             result[name] = chessboards(some, profiles, notify=advance) if some else None
@@ -204,15 +204,15 @@ def _repeated(
     profiles: dict[str, Parameters],
     sections: Sequence[Section],
     quick: bool,
-    own: Own,
+    own: UserData,
     progress: Progress,
-) -> Record:
+) -> Figures:
     images = own.images or photographs(quick=quick)
     with progress("rendering views", len(images)) as advance:
         chosen = views.VIEWS[: views.QUICK_VIEWS] if quick else views.VIEWS
         rendered = views.rendered_pairs(images, chosen, notify=advance)
     measured = detectors(profiles)
-    result: Record = {}
+    result: Figures = {}
     if "repeatability" in sections:
         with progress("repeatability", len(MODES)) as advance:
             result["repeatability"] = repeatability(rendered, measured, quick=quick, notify=advance)

@@ -4,20 +4,20 @@ accuracy.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from evaluation.figures import Figures
 from evaluation.report.markdown import figure, number, table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Record = dict[str, Any]
 
 SWEEPS = {"tensor": "A, B, C", "response": "D", "mantissa": "mantissas"}
 
 
-def word_lengths_tables(found: Record) -> Record:
+def word_lengths_tables(found: Figures) -> Figures:
     """A table for each sweep; the default is bold."""
     tensor, response = (
         [
@@ -50,11 +50,11 @@ def word_lengths_tables(found: Record) -> Record:
     }
 
 
-def _bits(point: Record) -> str:
+def _bits(point: Figures) -> str:
     return f"**{point['bits']}**" if point["default"] else str(point["bits"])
 
 
-def draw_word_lengths(drawn: Figure, found: Record) -> None:
+def draw_word_lengths(drawn: Figure, found: Figures) -> None:
     """Into an empty figure: of each sweep area and accuracy over bits."""
     panels = drawn.subplots(1, len(SWEEPS))
     for axes, (name, title) in zip(panels, SWEEPS.items(), strict=True):
@@ -81,7 +81,7 @@ def draw_word_lengths(drawn: Figure, found: Record) -> None:
             each.tick_params(labelsize="small")
 
 
-def _line(axes: Axes, bits: list[int], estimates: list[Record]) -> None:
+def _line(axes: Axes, bits: list[int], estimates: list[Figures]) -> None:
     values = [estimate["value"] for estimate in estimates]
     ends = [[max(each["value"] - each["interval"][0], 0) for each in estimates]]
     ends.append([max(each["interval"][1] - each["value"], 0) for each in estimates])

@@ -8,17 +8,12 @@ differences are those of the choice.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
+from evaluation.figures import Figures, Notify
 from evaluation.inputs import views
 from evaluation.inputs.sources import Pair
-from evaluation.methods.detectors import MODES, PLAIN, PLAIN_PARAMETERS, Detector, Memory, Ours
+from evaluation.methods.detectors import MODES, PLAIN, PLAIN_PARAMETERS, DetectionCache, Detector, Ours
 from evaluation.methods.tracker import track
 from evaluation.sections import repeatability, robustness
-
-Record = dict[str, Any]
-Notify = Callable[[int], None]
 
 PAPER_FILTER = "paper's filter"
 SOBEL = "Sobel gradients"
@@ -51,20 +46,20 @@ def chosen(pairs: list[Pair]) -> list[Pair]:
     return [pair for pair in pairs if pair.name in VIEWS or pair.name not in rendered]
 
 
-def texture(pairs: list[Pair], *, notify: Notify | None = None) -> Record:
+def texture(pairs: list[Pair], *, notify: Notify | None = None) -> Figures:
     """Repeatability and rho of each step, and what it gains over ranking by D, by class of scene.
 
     Repeatability over the pairs with a homography, rho over those in the tracker's reach. On each
     pair all steps have the same number of corners: no more than the one that finds fewest.
     """
-    detectors, mode, memory = steps(), MODES[0], Memory()
+    detectors, mode, cache = steps(), MODES[0], DetectionCache()
     warped = [pair for pair in pairs if pair.homography is not None]
-    found = repeatability.scores(warped, detectors, mode, memory)
+    found = repeatability.scores(warped, detectors, mode, cache)
     tracked: dict[str, list[robustness.Score]] = {detector.name: [] for detector in detectors}
     near = robustness.trackable(pairs)
     for done, pair in enumerate(near, start=1):
         tracks = track(pair.first, pair.second)
-        for name, points in robustness.corners_of(pair, detectors, mode, memory).items():
+        for name, points in robustness.corners_of(pair, detectors, mode, cache).items():
             tracked[name].append(robustness.score(pair, points, tracks))
         if notify:
             notify(done)
@@ -84,7 +79,7 @@ def texture(pairs: list[Pair], *, notify: Notify | None = None) -> Record:
 
 def _repeatability(
     pairs: list[Pair], found: list[repeatability.Score], base: list[repeatability.Score]
-) -> Record:
+) -> Figures:
     take = repeatability.take
     return {
         part: repeatability.summary(take(pairs, chosen), take(found, chosen))
@@ -93,7 +88,7 @@ def _repeatability(
     }
 
 
-def _rho(pairs: list[Pair], found: list[robustness.Score], base: list[robustness.Score]) -> Record:
+def _rho(pairs: list[Pair], found: list[robustness.Score], base: list[robustness.Score]) -> Figures:
     take = repeatability.take
     return {
         part: robustness.summary(take(pairs, chosen), take(found, chosen))

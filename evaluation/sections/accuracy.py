@@ -4,12 +4,12 @@ Table 5.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
+from evaluation.figures import Figures, Notify
 from evaluation.inputs.scenes import (
     KINDS,
     PAPER_CORNER,
@@ -24,9 +24,6 @@ from evaluation.inputs.scenes import (
 from evaluation.methods.bootstrap import Values, estimate, mean, median, percentile_95, plain
 from evaluation.methods.localisation import methods, place
 from golden import Parameters, Settings
-
-Record = dict[str, Any]
-Notify = Callable[[int], None]
 
 WITHIN = 4.0
 """Pixels: a corner further from the truth than this is another one. The peak of D lies 2 to 3
@@ -58,14 +55,14 @@ class Outcome:
         """Detect the corner of a scene: that whose whole pixel is nearest to the truth, the same
         for all methods.
         """
-        placements = place(scene.image, parameters, settings)
-        corner = placements.nearest(scene.x, scene.y, WITHIN)
+        localisation = place(scene.image, parameters, settings)
+        corner = localisation.nearest(scene.x, scene.y, WITHIN)
         self.found.append(corner is not None)
-        self.accepted.append(corner is not None and bool(placements.accepted[corner]))
+        self.accepted.append(corner is not None and bool(localisation.accepted[corner]))
         if corner is None:
             return
         self.scenes.append(scene)
-        for name, positions in placements.positions.items():
+        for name, positions in localisation.positions.items():
             x, y = positions[corner]
             self.errors.setdefault(name, []).append((x - scene.x, y - scene.y))
 
@@ -74,17 +71,17 @@ class Outcome:
         return np.array(self.errors.get(method, []), dtype=np.float64).reshape(-1, 2)
 
 
-def figures(offsets: Values) -> Record:
+def figures(offsets: Values) -> Figures:
     """As :func:`figures_of_images`, of (n, 2) errors that are each from another image."""
     return figures_of_images(list(offsets[:, None, :]))
 
 
-def figures_of_images(offsets: Sequence[Values]) -> Record:
+def figures_of_images(offsets: Sequence[Values]) -> Figures:
     """Median and 95th percentile of the distance, and bias, of (n, 2) errors for each image, with
     intervals.
     """
     distances = [np.hypot(*each.T)[:, None] for each in offsets]
-    found: Record = {}
+    found: Figures = {}
     for name, values, statistic in (
         ("median", distances, median),
         ("p95", distances, percentile_95),
@@ -96,13 +93,13 @@ def figures_of_images(offsets: Sequence[Values]) -> Record:
     return found
 
 
-def rate(found: list[bool]) -> Record:
+def rate(found: list[bool]) -> Figures:
     """Share of scenes, with its interval."""
     figure = estimate([np.array([float(each)]) for each in found], mean)
     return {"value": figure["value"], "interval": figure["interval"]}
 
 
-def kind_figures(outcome: Outcome, parameters: Parameters) -> Record:
+def kind_figures(outcome: Outcome, parameters: Parameters) -> Figures:
     """All about one kind: the profile's own fit first, then each method, then each method by noise."""
     by_method = {name: figures(outcome.offsets(name)) for name in methods(parameters)}
     noises = np.array([scene.noise for scene in outcome.scenes])
@@ -124,7 +121,7 @@ def kind_figures(outcome: Outcome, parameters: Parameters) -> Record:
     }
 
 
-def _inwards(outcome: Outcome, parameters: Parameters) -> Record | None:
+def _inwards(outcome: Outcome, parameters: Parameters) -> Figures | None:
     # along the axis of a wedge the errors of all orientations add up; in x and in y they cancel out
     angles = np.array([scene.inwards for scene in outcome.scenes])
     if not len(angles) or np.isnan(angles).any():
@@ -135,9 +132,9 @@ def _inwards(outcome: Outcome, parameters: Parameters) -> Record | None:
     }
 
 
-def wide(profiles: dict[str, Parameters], *, quick: bool = False, notify: Notify | None = None) -> Record:
+def wide(profiles: dict[str, Parameters], *, quick: bool = False, notify: Notify | None = None) -> Figures:
     """``{profile: {kind: figures}}`` over the wide set, thresholds at their defaults."""
-    results: Record = {name: {"fit": parameters.algorithm.fit} for name, parameters in profiles.items()}
+    results: Figures = {name: {"fit": parameters.algorithm.fit} for name, parameters in profiles.items()}
     done = 0
     for kind in KINDS:
         outcomes = {name: Outcome() for name in profiles}
@@ -165,7 +162,7 @@ def _elsewhere(positions: int) -> Iterator[Scene]:
         yield from paper_scenes(corner=(float(x), float(y)))
 
 
-def table_5(profiles: dict[str, Parameters], *, quick: bool = False) -> Record:
+def table_5(profiles: dict[str, Parameters], *, quick: bool = False) -> Figures:
     """``{profile: ...}``: the eight rows in the paper's 1-based pixels, and the mean errors.
 
     ``rows`` by each method; ``methods``: mean of |dx|, of |dy| and of the distance over the eight,
@@ -178,7 +175,7 @@ def table_5(profiles: dict[str, Parameters], *, quick: bool = False) -> Record:
         "rotation": paper_scenes("rotation"),
         "elsewhere": list(_elsewhere(2 if quick else 16)),
     }
-    results: Record = {}
+    results: Figures = {}
     for name, parameters in profiles.items():
         outcomes = {}
         for group, scenes in shapes.items():
@@ -195,20 +192,20 @@ def table_5(profiles: dict[str, Parameters], *, quick: bool = False) -> Record:
     return results
 
 
-def _rows(outcome: Outcome, parameters: Parameters) -> Iterator[Record]:
+def _rows(outcome: Outcome, parameters: Parameters) -> Iterator[Figures]:
     """Positions as the paper prints them, the first pixel being 1; None where no corner was found."""
     names = methods(parameters)
     offsets = {name: iter(outcome.offsets(name)) for name in names}
     for scene, found, accepted in zip(paper_scenes(), outcome.found, outcome.accepted, strict=True):
-        row: Record = {"shape": scene.kind, "accepted": accepted}
+        row: Figures = {"shape": scene.kind, "accepted": accepted}
         for name in names:
             offset = next(offsets[name]) if found else None
             row[name] = None if offset is None else [plain(v) for v in offset + PAPER_CORNER + 1]
         yield row
 
 
-def _means(outcome: Outcome, parameters: Parameters) -> Record:
-    results: Record = {"scenes": len(outcome.found), "found": sum(outcome.found)}
+def _means(outcome: Outcome, parameters: Parameters) -> Figures:
+    results: Figures = {"scenes": len(outcome.found), "found": sum(outcome.found)}
     results["accepted"] = sum(outcome.accepted)
     for name in methods(parameters):
         offsets = outcome.offsets(name)

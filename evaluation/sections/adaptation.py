@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from evaluation.figures import Figures
 from evaluation.inputs.sources import photograph
 from golden import Parameters, Settings, StreamModel
 from golden.detector import frame_records, largest_response, response_map
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Image = NDArray[np.uint8]
-Record = dict[str, Any]
 
 WIDTH, HEIGHT = 320, 240
 FRAMES = 12
@@ -109,7 +109,7 @@ def stepped(t1: int, count: int, target: int, least: int) -> int:
     return t1
 
 
-def _follow(law: str, frames: list[Image], target: int, parameters: Parameters) -> Record:
+def _follow(law: str, frames: list[Image], target: int, parameters: Parameters) -> Figures:
     if law == PAPER:
         parameters = parameters.changed(texture="patches")
     settings = Settings.default(parameters)
@@ -134,7 +134,7 @@ def _follow(law: str, frames: list[Image], target: int, parameters: Parameters) 
     return {"counts": counts, "t1": t1s}
 
 
-def _summary(counts: list[int], t1: list[int], target: int, starts: list[int]) -> Record:
+def _summary(counts: list[int], t1: list[int], target: int, starts: list[int]) -> Figures:
     """Of frames that could have met it: neither black nor a scene's first, nor at the least T1 with
     fewer.
     """
@@ -160,7 +160,7 @@ def _summary(counts: list[int], t1: list[int], target: int, starts: list[int]) -
 
 def adaptation(
     parameters: Parameters | None = None, *, notify: Callable[[int], None] = lambda done: None
-) -> Record:
+) -> Figures:
     """Count and T1 of every frame, by target and law; ``notify`` is told of each such pair.
 
     ``parameters``: built with ``budget``; by default the profile ``robust``.
@@ -168,7 +168,7 @@ def adaptation(
     parameters = parameters or Parameters.profile("robust", budget=True)
     frames = video()
     starts = np.cumsum([0, *(scene.frames for scene in SCENES)])[:-1].tolist()
-    targets: Record = {}
+    targets: Figures = {}
     for target in TARGETS:
         targets[str(target)] = {}
         for law in LAWS:
@@ -185,7 +185,7 @@ def adaptation(
     }
 
 
-def draw(record: Record) -> Figure:
+def draw(record: Figures) -> Figure:
     """Corners of every frame against the target, one panel per target."""
     from matplotlib.figure import Figure
 
@@ -212,7 +212,7 @@ def draw(record: Record) -> Figure:
     return figure
 
 
-def plot(record: Record) -> bytes:
+def plot(record: Figures) -> bytes:
     """:func:`draw` as a PNG, the same for the same record."""
     file = io.BytesIO()
     draw(record).savefig(file, format="png", metadata={"Software": None})

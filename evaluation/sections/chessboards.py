@@ -2,38 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
+from evaluation.figures import Figures, Notify
 from evaluation.inputs.boards import Board, reference_corners
 from evaluation.methods.bootstrap import Values, estimate, mean, plain
-from evaluation.methods.localisation import Placements, methods, place
+from evaluation.methods.localisation import Localisation, methods, place
 from evaluation.sections.accuracy import WITHIN, figures_of_images
 from golden import Parameters, Settings
 
-Record = dict[str, Any]
-Notify = Callable[[int], None]
 
-
-def offsets(placements: Placements, reference: Values) -> tuple[dict[str, Values], list[bool], list[bool]]:
+def offsets(
+    localisation: Localisation, reference: Values
+) -> tuple[dict[str, Values], list[bool], list[bool]]:
     """Errors to a board's corners: by method (n, 2), and of every corner whether it was found, and
     accepted.
     """
-    rows = [placements.nearest(x, y, WITHIN) for x, y in reference]
+    rows = [localisation.nearest(x, y, WITHIN) for x, y in reference]
     found = [row is not None for row in rows]
-    accepted = [row is not None and bool(placements.accepted[row]) for row in rows]
+    accepted = [row is not None and bool(localisation.accepted[row]) for row in rows]
     chosen = [row for row in rows if row is not None]
-    errors = {name: positions[chosen] - reference[found] for name, positions in placements.positions.items()}
+    errors = {
+        name: positions[chosen] - reference[found] for name, positions in localisation.positions.items()
+    }
     return errors, found, accepted
 
 
-def _summary(references: list[Values], boards: list[Board], parameters: Parameters) -> Record:
+def _summary(references: list[Values], boards: list[Board], parameters: Parameters) -> Figures:
     each = []
     for board, reference in zip(boards, references, strict=True):
-        placements = place(board.image, parameters, Settings.default(parameters))
-        each.append(offsets(placements, reference))
+        localisation = place(board.image, parameters, Settings.default(parameters))
+        each.append(offsets(localisation, reference))
     return {
         "fit": parameters.algorithm.fit,
         "detected": estimate([np.array(found, float) for _, found, _ in each], mean),
@@ -53,7 +52,7 @@ def _summary(references: list[Values], boards: list[Board], parameters: Paramete
 
 def chessboards(
     boards: list[Board], profiles: dict[str, Parameters], *, notify: Notify | None = None
-) -> Record:
+) -> Figures:
     """Each profile on all boards in which the reference finds its corners.
 
     The reference is the truth where it is known, that is of rendered boards, else OpenCV's board

@@ -9,17 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from evaluation.figures import Figures
 from evaluation.inputs.sources import photograph
 from golden import Parameters, Settings, StreamModel, detect
 from golden.formats import SMOOTHING_BITS
 
 Image = NDArray[np.uint8]
-Record = dict[str, Any]
 
 PHOTOGRAPHS = ("camera", "coins", "brick", "grass", "gravel", "moon", "clock", "page")
 """Of scikit-image."""
@@ -51,7 +50,7 @@ def with_hot_pixels(image: Image, count: int, random: np.random.Generator) -> Im
     return hot
 
 
-def _hot(parameters: Parameters) -> Record:
+def _hot(parameters: Parameters) -> Figures:
     """By rank and number of hot pixels: corners with them over corners without, median and least."""
     random = np.random.default_rng(SEED)
     shares: dict[int, dict[int, list[float]]] = {rank: {count: [] for count in HOT} for rank in RANKS}
@@ -72,7 +71,7 @@ def _hot(parameters: Parameters) -> Record:
     }
 
 
-def _flicker(parameters: Parameters) -> Record:
+def _flicker(parameters: Parameters) -> Figures:
     """By what the reference is: corners in frames of full and of less light, when all has settled."""
     image = photograph("coins")
     scenes = [np.rint(image * gain).astype(np.uint8) for gain in GAINS]
@@ -86,7 +85,7 @@ def _flicker(parameters: Parameters) -> Record:
     model = StreamModel(parameters)
     constant = model.process(scenes[0], ranked).maximum
     kinds["a constant: the largest D in full light"] = replace(usual, reference="constant", constant=constant)
-    result: Record = {}
+    result: Figures = {}
     for kind, settings in kinds.items():
         model = StreamModel(parameters)
         counts = [len(model.process(scenes[k % len(scenes)], settings).corners) for k in range(FRAMES)]
@@ -96,9 +95,9 @@ def _flicker(parameters: Parameters) -> Record:
 
 def references(
     profiles: dict[str, Parameters], *, notify: Callable[[int], None] = lambda done: None
-) -> Record:
+) -> Figures:
     """Both, of every profile; ``notify`` is told how many are done."""
-    found: Record = {}
+    found: Figures = {}
     for done, (name, parameters) in enumerate(profiles.items(), 1):
         built = replace(parameters, budget=True)
         found[name] = {"hot": _hot(built), "flicker": _flicker(built)}

@@ -10,14 +10,15 @@ from typing import Any, NamedTuple, TypeVar, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from evaluation.figures import Figures, Notify
 from evaluation.inputs.sources import Pair
 from evaluation.methods.bootstrap import Values, estimate, mean, plain, relative_gain
 from evaluation.methods.detectors import (
     MODES,
     PLAIN,
     WITHOUT,
+    DetectionCache,
     Detector,
-    Memory,
     Mode,
     Ours,
     Points,
@@ -28,9 +29,7 @@ from golden import Parameters
 from golden.algorithm import Fit
 from golden.formats import MARGIN
 
-Record = dict[str, Any]
 T = TypeVar("T")
-Notify = Callable[[int], None]
 
 TOLERANCE = 1.5
 """Pixels of the second view."""
@@ -97,13 +96,13 @@ def visible(pair: Pair, first: Points, second: Points) -> tuple[Points, Points]:
 class Visible:
     """Corners of a pair that both views can show, by detector, as far as they were asked for."""
 
-    def __init__(self, pair: Pair, memory: Memory) -> None:
+    def __init__(self, pair: Pair, cache: DetectionCache) -> None:
         self.pair = pair
-        self._memory = memory
+        self._cache = cache
 
     def __call__(self, detector: Detector, thresholds: Thresholds, ranked: bool) -> tuple[Points, Points]:
         first, second = (
-            self._memory.corners(detector, image, thresholds, ranked)
+            self._cache.corners(detector, image, thresholds, ranked)
             for image in (self.pair.first, self.pair.second)
         )
         return visible(self.pair, first, second)
@@ -134,12 +133,12 @@ def score(pair: Pair, first: Points, second: Points) -> Score:
 
 
 def scores(
-    pairs: list[Pair], detectors: list[Detector], mode: Mode, memory: Memory
+    pairs: list[Pair], detectors: list[Detector], mode: Mode, cache: DetectionCache
 ) -> dict[str, list[Score]]:
     """By the detector's name, a score for each pair."""
     results: dict[str, list[Score]] = {detector.name: [] for detector in detectors}
     for pair in pairs:
-        for name, both in corners_of(Visible(pair, memory), detectors, mode).items():
+        for name, both in corners_of(Visible(pair, cache), detectors, mode).items():
             results[name].append(score(pair, *both))
     return results
 
@@ -153,7 +152,7 @@ def by_scene(pairs: list[Pair], values: Sequence[tuple[float, ...]]) -> list[Val
     return [np.array(group, dtype=np.float64) for group in groups.values()]
 
 
-def summary(pairs: list[Pair], found: list[Score]) -> Record:
+def summary(pairs: list[Pair], found: list[Score]) -> Figures:
     """Repeatability, localisation error and numbers, as means over pairs; intervals over
     photographs.
     """
@@ -165,13 +164,13 @@ def summary(pairs: list[Pair], found: list[Score]) -> Record:
     }
 
 
-def gain(pairs: list[Pair], ours: list[Score], base: list[Score]) -> Record:
+def gain(pairs: list[Pair], ours: list[Score], base: list[Score]) -> Figures:
     """How much higher ours is than the base on the same pairs, relative to it."""
     both = [(one.repeatability, other.repeatability) for one, other in zip(ours, base, strict=True)]
     return estimate(by_scene(pairs, both), relative_gain)
 
 
-def mode_figures(pairs: list[Pair], found: dict[str, list[Score]], *, views: bool = False) -> Record:
+def mode_figures(pairs: list[Pair], found: dict[str, list[Score]], *, views: bool = False) -> Figures:
     """One mode: each detector over all pairs and by class of scene, and what it gains over having
     no filter.
     """
@@ -186,15 +185,15 @@ def figures_of_parts(
     pairs: list[Pair],
     found: dict[str, list[T]],
     parts: dict[str, list[bool]],
-    summary: Callable[[list[Pair], list[T]], Record],
-    gain: Callable[[list[Pair], list[T], list[T]], Record],
-) -> Record:
+    summary: Callable[[list[Pair], list[T]], Figures],
+    gain: Callable[[list[Pair], list[T], list[T]], Figures],
+) -> Figures:
     """Of each detector and each part of the pairs a summary, and the gain over no filter and over
     ranking by D.
 
     ``found`` has one score for each pair, of whatever kind ``summary`` and ``gain`` take.
     """
-    results: Record = {}
+    results: Figures = {}
     for name, each in found.items():
         results[name] = {}
         for part, chosen in parts.items():
@@ -221,7 +220,7 @@ def take(items: list[T], chosen: list[bool]) -> list[T]:
     return list(compress(items, chosen))
 
 
-def _by_view(pairs: list[Pair], found: list[Score]) -> Record:
+def _by_view(pairs: list[Pair], found: list[Score]) -> Figures:
     values: dict[str, list[float]] = {}
     for pair, each in zip(pairs, found, strict=True):
         known = values.setdefault(pair.name, [])
@@ -241,20 +240,23 @@ CURVE = (3000, 1500, 750, 375)
 
 def repeatability(
     pairs: list[Pair], detectors: list[Detector], *, quick: bool = False, notify: Notify | None = None
-) -> Record:
+) -> Figures:
     """Every mode, and repeatability over the number of corners at equal numbers."""
-    memory = Memory()
-    modes: Record = {}
+    cache = DetectionCache()
+    modes: Figures = {}
     for done, mode in enumerate(MODES, start=1):
-        found = scores(pairs, detectors, mode, memory)
+        found = scores(pairs, detectors, mode, cache)
         modes[mode.name] = mode_figures(pairs, found, views=mode is MODES[0])
         if notify:
             notify(done)
-    fits = {name: summary(pairs, each) for name, each in scores(pairs, by_fit(), MODES[0], Memory()).items()}
-    curve: list[Record] = []
+    fits = {
+        name: summary(pairs, each)
+        for name, each in scores(pairs, by_fit(), MODES[0], DetectionCache()).items()
+    }
+    curve: list[Figures] = []
     for pixels in () if quick else CURVE:
         mode = replace(MODES[0], pixels_per_corner=pixels)
-        found = scores(pairs, detectors, mode, memory)
+        found = scores(pairs, detectors, mode, cache)
         point = {name: summary(pairs, each)["repeatability"]["value"] for name, each in found.items()}
         curve.append({"pixels_per_corner": pixels, **point})
     return {

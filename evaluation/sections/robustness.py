@@ -4,20 +4,17 @@ corners given to it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from evaluation.figures import Figures, Notify
 from evaluation.inputs.sources import Pair
 from evaluation.methods.bootstrap import estimate, mean, relative_gain
-from evaluation.methods.detectors import MODES, Detector, Memory, Mode, Points, budget
+from evaluation.methods.detectors import MODES, DetectionCache, Detector, Mode, Points, budget
 from evaluation.methods.tracker import LARGEST_RETURN_ERROR, LEAST_CORRELATION, REACH, WINDOW, Tracks, track
 from evaluation.sections.repeatability import TOLERANCE, by_scene, figures_of_parts, parts_of, project
-
-Record = dict[str, Any]
-Notify = Callable[[int], None]
 
 VIDEO = "video"
 """Name of all pairs whose homography nobody knows."""
@@ -66,13 +63,13 @@ def score(pair: Pair, points: Points, tracks: Tracks) -> Score:
     return Score(len(points), int(kept.sum()), float((kept & (errors <= TOLERANCE)).sum()))
 
 
-def corners_of(pair: Pair, detectors: list[Detector], mode: Mode, memory: Memory) -> dict[str, Points]:
+def corners_of(pair: Pair, detectors: list[Detector], mode: Mode, cache: DetectionCache) -> dict[str, Points]:
     """By the detector's name, the corners of the first view that count; of equal number if the mode
     says so.
     """
 
     def ask(detector: Detector, ranked: bool) -> Points:
-        return memory.corners(detector, pair.first, mode.thresholds, ranked)
+        return cache.corners(detector, pair.first, mode.thresholds, ranked)
 
     found = {detector.name: ask(detector, mode.equal) for detector in detectors}
     if not mode.equal:
@@ -85,7 +82,7 @@ def corners_of(pair: Pair, detectors: list[Detector], mode: Mode, memory: Memory
     return {name: points[:limit] for name, points in found.items()}
 
 
-def summary(pairs: list[Pair], found: list[Score]) -> Record:
+def summary(pairs: list[Pair], found: list[Score]) -> Figures:
     """rho as a mean over pairs, with its interval over scenes; the sums that Table 6 prints."""
     given, tracked = sum(each.given for each in found), sum(each.tracked for each in found)
     rights = [each.right / each.tracked if each.tracked else float("nan") for each in found]
@@ -98,7 +95,7 @@ def summary(pairs: list[Pair], found: list[Score]) -> Record:
     }
 
 
-def gain(pairs: list[Pair], ours: list[Score], base: list[Score]) -> Record:
+def gain(pairs: list[Pair], ours: list[Score], base: list[Score]) -> Figures:
     """How much higher our rho is than the base's on the same pairs, relative to it."""
     both = [(one.rho, other.rho) for one, other in zip(ours, base, strict=True)]
     return estimate(by_scene(pairs, both), relative_gain)
@@ -109,7 +106,7 @@ def videos_of(pairs: list[Pair]) -> list[str]:
     return sorted({pair.name for pair in pairs if pair.homography is None})
 
 
-def mode_figures(pairs: list[Pair], found: dict[str, list[Score]]) -> Record:
+def mode_figures(pairs: list[Pair], found: dict[str, list[Score]]) -> Figures:
     """One mode: each detector over all pairs, by class of scene and by video, and what it gains."""
     parts = parts_of(pairs)
     parts[VIDEO] = [pair.homography is None for pair in pairs]
@@ -119,17 +116,17 @@ def mode_figures(pairs: list[Pair], found: dict[str, list[Score]]) -> Record:
     return figures_of_parts(pairs, found, parts, summary, gain)
 
 
-def robustness(pairs: list[Pair], detectors: list[Detector], *, notify: Notify | None = None) -> Record:
+def robustness(pairs: list[Pair], detectors: list[Detector], *, notify: Notify | None = None) -> Figures:
     """Every mode over all pairs that the tracker can reach across."""
     chosen = trackable(pairs)
-    memory = Memory()
+    cache = DetectionCache()
     found: dict[str, dict[str, list[Score]]] = {
         mode.name: {detector.name: [] for detector in detectors} for mode in MODES
     }
     for done, pair in enumerate(chosen, start=1):
         tracks = track(pair.first, pair.second)
         for mode in MODES:
-            for name, points in corners_of(pair, detectors, mode, memory).items():
+            for name, points in corners_of(pair, detectors, mode, cache).items():
                 found[mode.name][name].append(score(pair, points, tracks))
         if notify:
             notify(done)

@@ -16,6 +16,7 @@ import numpy as np
 from amaranth.lib import wiring
 from numpy.typing import NDArray
 
+from evaluation.figures import Figures, Notify
 from evaluation.inputs import scenes
 from evaluation.inputs.scenes import Kind, Scene
 from evaluation.inputs.sources import NamedImage, photographs
@@ -37,8 +38,6 @@ from hdl.response import Response
 from hdl.subpixel import Subpixel
 from hdl.window_stage import WindowStage
 
-Record = dict[str, Any]
-Notify = Callable[[int], None]
 Responses = Callable[[NDArray[np.uint8]], IntArray]
 
 KINDS: tuple[Kind, ...] = ("L", "saddle")
@@ -66,7 +65,7 @@ class _Narrow(Parameters):
         return super().response_max >> self.cut
 
 
-def word_lengths(parameters: Parameters, *, quick: bool = False, notify: Notify | None = None) -> Record:
+def word_lengths(parameters: Parameters, *, quick: bool = False, notify: Notify | None = None) -> Figures:
     """Sweeps of the widths that cost most, for one detector with 8-bit pixels.
 
     Parameters
@@ -92,8 +91,8 @@ def word_lengths(parameters: Parameters, *, quick: bool = False, notify: Notify 
     images = photographs(quick=quick)
     rendered = {kind: _scenes(kind, quick) for kind in KINDS}
     few = 2 if quick else None
-    result: Record = {"blocks": {"tensor": "response", "response": _D_BLOCKS, "mantissa": "subpixel"}}
-    sweeps: tuple[tuple[str, Iterator[Record]], ...] = (
+    result: Figures = {"blocks": {"tensor": "response", "response": _D_BLOCKS, "mantissa": "subpixel"}}
+    sweeps: tuple[tuple[str, Iterator[Figures]], ...] = (
         ("tensor", _tensor(parameters, images, rendered, TENSOR_BITS[:few])),
         ("response", _response(parameters, images, rendered, RESPONSE_CUTS[:few])),
         ("mantissa", _mantissa(parameters, images, MANTISSAS[1:4:2] if quick else MANTISSAS)),
@@ -129,7 +128,7 @@ def _tensor(
     images: Sequence[NamedImage],
     rendered: dict[Kind, list[Scene]],
     widths: Sequence[int],
-) -> Iterator[Record]:
+) -> Iterator[Figures]:
     full = parameters.product_bits
     for bits in widths:
         cut = full - bits
@@ -165,7 +164,7 @@ def _smooth(product: IntArray, cut: int) -> IntArray:
 _D_BLOCKS = "response buffer, texture filter, centre rows, corner detection"
 
 
-def _d_area(parameters: Parameters) -> Record:
+def _d_area(parameters: Parameters) -> Figures:
     """Of the blocks that look at windows of D."""
     windows = WindowStage(parameters)
     buffer = CircularBuffer(
@@ -180,7 +179,7 @@ def _response(
     images: Sequence[NamedImage],
     rendered: dict[Kind, list[Scene]],
     cuts: Sequence[int],
-) -> Iterator[Record]:
+) -> Iterator[Figures]:
     fields = vars(parameters)
     for cut in cuts:
 
@@ -208,13 +207,13 @@ def _detections(
     rendered: dict[Kind, list[Scene]],
     responses: Responses,
     cut: int,
-) -> Record:
+) -> Figures:
     shared = []
     for image in images:
         exact = _places(_corners(image.pixels, response_map(image.pixels, parameters), parameters, 0))
         found = _places(_corners(image.pixels, responses(image.pixels), parameters, cut))
         shared.append(np.array([[len(exact & found), len(exact | found)]]))
-    result: Record = {"same": estimate(shared, _ratio)}
+    result: Figures = {"same": estimate(shared, _ratio)}
     for kind, some in rendered.items():
         distances = []
         for scene in some:
@@ -246,7 +245,7 @@ def _places(corners: Corners) -> set[tuple[float, float]]:
 
 def _mantissa(
     parameters: Parameters, images: Sequence[NamedImage], widths: Sequence[int]
-) -> Iterator[Record]:
+) -> Iterator[Figures]:
     step = parameters.changed(fit="gradient")
     windows = [_windows(image.pixels, step) for image in images]
     sums = [normal_equations(pixels) for pixels in windows]
@@ -302,9 +301,9 @@ def _percentile(share: int) -> Statistic:
 # -- area
 
 
-def _area(block: wiring.Component) -> Record:
+def _area(block: wiring.Component) -> Figures:
     return _plain(map_component(block, "part")[0].area)
 
 
-def _plain(area: Area) -> Record:
+def _plain(area: Area) -> Figures:
     return {"le": area.le_packed, "memory_bits": area.memory_bits}

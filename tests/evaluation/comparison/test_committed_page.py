@@ -15,18 +15,18 @@ from evaluation.comparison.figures import (
     AREA_FIELDS,
     PLACED,
     SIZES,
-    Record,
     Variant,
     builds,
     clocks,
     structure,
 )
+from evaluation.figures import Figures
 
 DOCS = Path(__file__).parents[3] / "docs" / "results"
 QUICK = builds(SIZES[-1:])
 
 
-def committed() -> Record:
+def committed() -> Figures:
     return json.loads((DOCS / comparison.FIGURES_NAME).read_text(encoding="utf-8"))
 
 

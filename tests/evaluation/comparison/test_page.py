@@ -16,13 +16,15 @@ from click.testing import Result
 from cornerstream.cli import main
 from evaluation.comparison import figures, paper_tables
 from evaluation.comparison import page as comparison
-from evaluation.comparison.figures import AREA_FIELDS, FigureError, Record, Variant, builds, clocks, measure
+from evaluation.comparison.figures import AREA_FIELDS, FigureError, Variant, builds, clocks, measure
+from evaluation.figures import Figures
 from golden import Parameters
+from hdl.build import Build
 from sim import Mismatch
 from tests.support.runner import CliRunner
 
 
-def invented(build: Variant, **changes: Any) -> Record:
+def invented(build: Variant, **changes: Any) -> Figures:
     """Figures that nobody measured, all different."""
     return {
         **asdict(build),
@@ -164,15 +166,15 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Area and timing by tools that answer at once; the list of what was asked of them."""
     asked: list[str] = []
 
-    def area(parameters: Parameters) -> Record:
+    def area(parameters: Parameters) -> Figures:
         asked.append("area")
         return {field: 100 + number for number, field in enumerate(AREA_FIELDS)}
 
-    def timing(parameters: Parameters) -> Record:
+    def timing(parameters: Parameters) -> Figures:
         asked.append("timing")
         return {"fmax_mhz": 123.4, "seed": 1}
 
-    def fast_clocks(parameters: Parameters, notify: object) -> Record:
+    def fast_clocks(parameters: Parameters, notify: object) -> Figures:
         asked.append("clocks")
         return {"clocks_per_frame": 768, "corners": 3, "engine": "none"}
 
@@ -234,7 +236,7 @@ def test_clocks_are_counted_in_a_simulation_that_is_right(monkeypatch: pytest.Mo
     # Amaranth's simulator, so that nothing is compiled
     make = figures.make_engine
     monkeypatch.setattr(figures, "make_engine", lambda name, part, notify: make("amaranth", part))
-    parameters = Parameters.profile("robust", max_width=20, max_height=16)
+    parameters = Build.profile("robust", max_width=20, max_height=16)
     found = clocks(parameters)
     assert found["clocks_per_frame"] == 320 and "amaranth" in found["engine"]
     monkeypatch.setattr(figures, "compare", lambda *_: [Mismatch(1, 0, 5, 6)])
@@ -286,7 +288,7 @@ def test_command_measures_what_is_asked_for(
 ) -> None:
     monkeypatch.chdir(tmp_path)
 
-    def measured(chosen: list[Variant], folder: Path, *, notify: object, **rest: Any) -> Record:
+    def measured(chosen: list[Variant], folder: Path, *, notify: object, **rest: Any) -> Figures:
         assert chosen == builds(sizes) and rest == expected
         return {"tools": TOOLS, "builds": [invented(build) for build in chosen]}
 

@@ -12,8 +12,8 @@ from evaluation.methods.detectors import (
     USUAL,
     WITHOUT,
     Chance,
+    DetectionCache,
     Detector,
-    Memory,
     Ours,
     budget,
     detectors,
@@ -74,7 +74,7 @@ def test_chance_is_not_the_same_in_two_views(camera: NDArray[np.uint8]) -> None:
     assert not np.array_equal(first, chance.ranked(camera[::-1].copy(), USUAL))
 
 
-def test_memory_asks_once(camera: NDArray[np.uint8]) -> None:
+def test_cache_asks_once(camera: NDArray[np.uint8]) -> None:
     class Counting(Chance):
         asked = 0
 
@@ -82,7 +82,7 @@ def test_memory_asks_once(camera: NDArray[np.uint8]) -> None:
             Counting.asked += 1
             return np.empty((0, 2))
 
-    memory, detector = Memory(), Counting()
+    memory, detector = DetectionCache(), Counting()
     for _ in range(3):
         memory.corners(detector, camera, USUAL, True)
     assert Counting.asked == 1

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evaluation.inputs.sources import Pair
-from evaluation.methods.detectors import MODES, Memory, detectors
+from evaluation.methods.detectors import MODES, DetectionCache, detectors
 from evaluation.methods.tracker import LEAST_CORRELATION, WINDOW, track
 from evaluation.sections.robustness import Score, corners_of, farthest, robustness, score, trackable
 from tests.support import profiles
@@ -139,7 +139,7 @@ def test_rho_of_the_same_image_and_of_another(grass: NDArray[np.uint8]) -> None:
 def test_as_many_as_paper(grass: NDArray[np.uint8]) -> None:
     pair = Pair("same", "grass", "texture", grass, grass)
     free, same = MODES[1], MODES[2]
-    wanted = len(corners_of(pair, ALL, free, Memory())["paper"])
-    found = corners_of(pair, ALL, same, Memory())
+    wanted = len(corners_of(pair, ALL, free, DetectionCache())["paper"])
+    found = corners_of(pair, ALL, same, DetectionCache())
     fewest = min(len(detector.ranked(grass, same.thresholds)) for detector in ALL)
     assert wanted > 10 and {len(points) for points in found.values()} == {min(wanted, fewest)}

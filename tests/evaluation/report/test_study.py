@@ -17,22 +17,21 @@ from PIL import Image
 from cornerstream import eval_tables
 from cornerstream.cli import main
 from cornerstream.eval import figures_text
+from evaluation.figures import Figures
 from evaluation.inputs import scenes
 from evaluation.inputs.scenes import KINDS
 from evaluation.inputs.sources import STRUCTURE, TEXTURE, NamedImage, Pair
 from evaluation.report import study
 from evaluation.report.page import page
 from evaluation.report.plots import plots
-from evaluation.report.study import SECTIONS, Own
+from evaluation.report.study import SECTIONS, UserData
 from evaluation.sections.accuracy import paper_scenes
 from golden import PROFILES, Parameters
 from golden.version import VERSION
 from tests.support.runner import CliRunner
 
-Record = dict[str, Any]
 
-
-def own() -> Own:
+def own() -> UserData:
     from skimage import data
 
     images = [
@@ -42,11 +41,11 @@ def own() -> Own:
     frames = [image.pixels[:90, :100] for image in images]
     video = [Pair("film", f"film, frame {k}", STRUCTURE, frame, frame) for k, frame in enumerate(frames)]
     given = Pair("1 to 2", "wall", "wall", images[0].pixels, images[0].pixels, np.eye(3))
-    return Own(images=images, videos=video, pairs=[given])
+    return UserData(images=images, videos=video, pairs=[given])
 
 
 @cache
-def measured() -> Record:
+def measured() -> Figures:
     """Everything, on two crops; measured once."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(scenes, "ORIENTATIONS", (60,))
@@ -149,14 +148,14 @@ def run(*arguments: str) -> Result:
 
 def test_command_writes_page_and_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cornerstream.eval.study", lambda **options: measured())
-    monkeypatch.setattr("cornerstream.eval.pictures", lambda profiles: {"placements.png": b"picture"})
+    monkeypatch.setattr("cornerstream.eval.pictures", lambda profiles: {"localisation.png": b"picture"})
     folder = tmp_path / "made" / "here"
     result = run("--output", str(folder), "--json")
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout) == measured()
     assert (folder / "evaluation.md").read_text(encoding="utf-8") == page(measured())
     assert json.loads((folder / "evaluation.json").read_text(encoding="utf-8")) == measured()
-    assert (folder / "evaluation" / "placements.png").read_bytes() == b"picture"
+    assert (folder / "evaluation" / "localisation.png").read_bytes() == b"picture"
     assert (folder / "evaluation" / "accuracy.png").stat().st_size > 1000
     (folder / "evaluation.md").unlink()
     assert run("--output", str(folder), "--page").exit_code == 0
@@ -164,9 +163,9 @@ def test_command_writes_page_and_figures(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_command_hands_on_what_the_user_gave(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    given: Record = {}
+    given: Figures = {}
 
-    def pretend(**options: Any) -> Record:
+    def pretend(**options: Any) -> Figures:
         given.update(options)
         return {"about": {}}
 

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evaluation.inputs.sources import Pair
-from evaluation.methods.detectors import MODES, WITHOUT, Memory, detectors
+from evaluation.methods.detectors import MODES, WITHOUT, DetectionCache, detectors
 from evaluation.sections.repeatability import (
     Score,
     Visible,
@@ -36,7 +36,7 @@ def pair(first: NDArray[np.uint8], second: NDArray[np.uint8], homography: NDArra
 
 def test_identical_images(camera: NDArray[np.uint8]) -> None:
     same = pair(camera, camera.copy(), np.eye(3))
-    for name, (score,) in scores([same], ALL[:-1], EQUAL, Memory()).items():
+    for name, (score,) in scores([same], ALL[:-1], EQUAL, DetectionCache()).items():
         assert score.first == score.second > 100, name
         assert score.repeatability == 1 and score.distance == 0
 
@@ -47,14 +47,14 @@ def test_a_shift_by_whole_pixels_loses_nothing_that_both_can_show(camera: NDArra
     """
     shifted = pair(camera[:300, :300], camera[12:312, 20:320], SHIFT)
     ours = [each for each in ALL if each.name == "paper" + WITHOUT]
-    (score,) = scores([shifted], ours, EQUAL, Memory())["paper" + WITHOUT]
+    (score,) = scores([shifted], ours, EQUAL, DetectionCache())["paper" + WITHOUT]
     assert score.repeatability > 0.97 and score.distance < 1e-6
 
 
 def test_unrelated_noise_is_near_chance() -> None:
     random = np.random.default_rng(0)
     first, second = random.integers(0, 256, (2, 300, 300), np.uint8)
-    found = scores([pair(first, second, np.eye(3))], ALL, EQUAL, Memory())
+    found = scores([pair(first, second, np.eye(3))], ALL, EQUAL, DetectionCache())
     for name, (score,) in found.items():
         # a corner for every 600 pixels: a disc of 1.5 pixels holds 0.012 of them
         assert score.repeatability < 0.06, name
@@ -63,14 +63,14 @@ def test_unrelated_noise_is_near_chance() -> None:
 def test_numbers_are_equal(camera: NDArray[np.uint8]) -> None:
     shifted = pair(camera[:300, :300], camera[12:312, 20:320], SHIFT)
     for mode in (each for each in MODES if each.equal):
-        both = corners_of(Visible(shifted, Memory()), ALL, mode)
+        both = corners_of(Visible(shifted, DetectionCache()), ALL, mode)
         for view in (0, 1):
             assert len({len(points[view]) for points in both.values()}) == 1
 
 
 def test_numbers_are_those_of_the_detector_that_finds_fewest(camera: NDArray[np.uint8]) -> None:
     empty = pair(camera, np.full_like(camera, 7), np.eye(3))
-    found = scores([empty], ALL, EQUAL, Memory())
+    found = scores([empty], ALL, EQUAL, DetectionCache())
     for (score,) in found.values():
         assert score.second == 0 and np.isnan(score.repeatability)
     figures = mode_figures([empty], found, views=True)["paper"]
