@@ -82,7 +82,7 @@ def emit_verilog(parameters: Build, interface: Interface = "stream", name: str =
 
 def core_verilog(core: wiring.Component, parameters: Build, name: str = MODULE) -> str:
     """As :func:`emit_verilog`, of a core that exists and was built with these parameters."""
-    lines = [f"  {field} = {value}" for field, value in parameters.described.items()]
+    lines = [f"  {field} = {value}" for field, value in parameters.as_dict().items()]
     return convert(core, name, ["Build:", *lines])
 
 

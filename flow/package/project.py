@@ -77,7 +77,7 @@ def package_files(parameters: Build, interface: PackageInterface, name: str = MO
         "amaranth": version("amaranth"),
         "name": name,
         "interface": interface,
-        "parameters": parameters.described,
+        "parameters": parameters.as_dict(),
         "files": sorted([*files, MANIFEST]),
     }
     return files | {MANIFEST: json.dumps(manifest, indent=2) + "\n"}
@@ -100,7 +100,7 @@ def _facts(parameters: Build, name: str) -> dict[str, Any]:
         "named": name != MODULE,
         "reach": f"{offset_limit(parameters.algorithm.fit) / (1 << OFFSET_BITS):g}",
         "p": parameters,
-        "parameters": parameters.described,
+        "parameters": parameters.as_dict(),
         "record": {
             "bits": record.RECORD_BITS,
             "coordinate_bits": COORDINATE_BITS,
