@@ -8,6 +8,10 @@ saddle.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
+from golden.algorithm import ResponseFilter
 from golden.preprocessing import IntArray
 
 
@@ -18,3 +22,16 @@ def response_filter(responses: IntArray) -> IntArray:
     """
     down = responses[:-2] + 2 * responses[1:-1] + responses[2:]
     return (down[:, :-2] + 2 * down[:, 1:-1] + down[:, 2:] + 8) >> 4
+
+
+class ChosenFilter(NamedTuple):
+    """A response filter: by how many pixels it makes each side shorter, and what it does."""
+
+    reach: int
+    apply: Callable[[IntArray], IntArray]
+
+
+RESPONSE_FILTERS: dict[ResponseFilter, ChosenFilter] = {
+    "none": ChosenFilter(0, lambda responses: responses),
+    "binomial": ChosenFilter(1, response_filter),
+}

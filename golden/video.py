@@ -32,23 +32,12 @@ import numpy as np
 
 from golden.checks import check_integer, check_type
 from golden.corners import ByValue
-from golden.detector import (
-    frame_records,
-    largest_response,
-    next_adapted,
-    pixel_dtype,
-    response_map,
-    within_budget,
-)
+from golden.detector import StreamModel, pixel_dtype
 from golden.formats import SUPPORT
-from golden.output_constructor import COUNT_BITS, FrameEnd, Records, encode_frame_end
+from golden.output_constructor import NO_LIMIT, FrameEnd, Records, encode_frame_end
 from golden.parameters import Parameters
 from golden.preprocessing import Image
 from golden.settings import Settings
-from golden.thresholds import Thresholds, choose_reference, thresholds
-
-NO_LIMIT = (1 << COUNT_BITS) - 1
-"""``max_records`` that no frame reaches."""
 
 
 class Event(IntFlag):
@@ -169,15 +158,14 @@ class VideoModel:
     def __init__(self, parameters: Parameters) -> None:
         check_type("parameters", parameters, Parameters)
         self.parameters = parameters
+        self._stream = StreamModel(parameters)
         self.reset()
 
     def reset(self) -> None:
         """As after power-on."""
         self.events = Event(0)
         self.dropped_records = 0
-        self._maximum: int | None = None
-        self._adapted: int | None = None
-        self._frame = 0
+        self._stream.reset()
         self._now: VideoSettings | None = None
         self._pixels: list[int] = []
         self._x = 0
@@ -195,7 +183,7 @@ class VideoModel:
         """T1 or Dref for the next frame, if it has a target or a rank; None if the last complete
         one had neither.
         """
-        return self._adapted
+        return self._stream.history.adapted
 
     def feed(self, beats: Iterable[tuple[int, bool, bool]], video: VideoSettings) -> list[Packet]:
         """Packets of the frames that end with these beats: ``(pixel, start of frame, end of
@@ -223,7 +211,7 @@ class VideoModel:
         packets = []
         if self._now is not None and sof:
             self.events |= Event.SOF_EARLY
-            packets.append(self._cut())
+            packets.append(self._cut(self._now))
         if self._now is not None:
             return packets + self._inside(pixel, eol, self._now)
         if not sof or not video.enabled:
@@ -241,7 +229,7 @@ class VideoModel:
         last = self._x == now.width - 1
         if eol and not last and not now.ignore_eol:
             self.events |= Event.EOL_EARLY
-            return [self._cut()]
+            return [self._cut(now)]
         self._pixels.append(pixel)
         self._x = 0 if last else self._x + 1
         if last and not eol and not now.ignore_eol:
@@ -277,55 +265,30 @@ class VideoModel:
             self._x = 0
 
     def _complete(self, now: VideoSettings) -> Packet:
-        image = self._image(now)
-        responses = response_map(image, self.parameters)
-        limits = self._limits(now)
-        records = frame_records(image, responses, limits, self.parameters, now.settings.report_rejected)
-        maximum = largest_response(responses, self.parameters)
-        kept = within_budget(records, now.settings)[: now.max_records]
-        self.dropped_records += len(records) - len(kept)
-        if len(kept) < len(records):
+        image, frame = self._image(now), self._stream.frame
+        result = self._stream.process(image, now.settings, max_records=now.max_records)
+        dropped = result.found - len(result.corners)
+        self.dropped_records += dropped
+        if dropped:
             self.events |= Event.RECORDS_DROPPED
         self.events |= Event.FRAME_DONE
-        end = encode_frame_end(FrameEnd(len(kept), self._frame, maximum))
-        packet = Packet(np.append(kept, np.uint64(end)), self._frame, False, len(records), image)
-        self._maximum = maximum
-        self._adapted = next_adapted(image, responses, limits, self.parameters, now.settings, self._adapted)
-        self._end()
-        return packet
-
-    def _cut(self) -> Packet:
-        assert self._now is not None
-        image, settings = self._image(self._now), self._now.settings
-        records = frame_records(
-            image,
-            response_map(image, self.parameters),
-            self._limits(self._now),
-            self.parameters,
-            settings.report_rejected,
-            pixels=len(self._pixels),
-        )
-        self.events |= Event.FRAME_CUT
-        pixels = np.array(self._pixels, pixel_dtype(self.parameters))
-        kept = within_budget(records, settings)[: self._now.max_records]
-        packet = Packet(kept, self._frame, True, 0, pixels)
-        self._after, self._dropped, self._surplus = False, 0, False
-        self._end()
-        return packet
-
-    def _end(self) -> None:
         self._now = None
-        self._frame += 1
+        return Packet(result.records, frame, False, result.found, image)
+
+    def _cut(self, now: VideoSettings) -> Packet:
+        frame = self._stream.frame
+        records = self._stream.cut(self._image(now), now.settings, pixels=len(self._pixels))
+        self.events |= Event.FRAME_CUT
+        self._now = None
+        self._after, self._dropped, self._surplus = False, 0, False
+        pixels = np.array(self._pixels, pixel_dtype(self.parameters))
+        return Packet(records[: now.max_records], frame, True, 0, pixels)
 
     def _image(self, now: VideoSettings) -> Image:
         """The frame, black where it has not come."""
         image = np.zeros(now.width * now.height, pixel_dtype(self.parameters))
         image[: len(self._pixels)] = self._pixels
         return image.reshape(now.height, now.width)
-
-    def _limits(self, now: VideoSettings) -> Thresholds:
-        reference = choose_reference(now.settings, self._maximum, self._adapted)
-        return thresholds(now.settings, reference, self.parameters, self._adapted)
 
 
 def marked(image: Image, *, sof: bool = True, eol: bool = True) -> list[tuple[int, bool, bool]]:

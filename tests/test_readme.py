@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cornerstream.cli import main
 from evaluation.comparison.page import FIGURES_NAME
 from golden import Settings, detect
-from golden.detector import corner_map, peak_responses, response_map
+from golden.frame import Frame, response_map
 from golden.subpixel import derivatives, fit_nine
 from hdl.build import Build
 from hdl.detector import Detector
@@ -148,9 +148,9 @@ def test_offsets_without_bounds() -> None:
     """Solved in floating point, and not clamped."""
     far = []
     for name in ("camera", "grass", "gravel"):
-        responses = response_map(photograph(name), Build.profile("paper"))
-        rows, columns = np.nonzero(corner_map(responses, int(responses.max()) // 20, Build.profile("paper")))
-        around = sliding_window_view(peak_responses(responses, Build.profile("paper")), (3, 3))[rows, columns]
+        frame = Frame(photograph(name), Build.profile("paper"), Settings())
+        rows, columns = np.nonzero(frame.maxima(int(frame.responses.max()) // 20))
+        around = sliding_window_view(frame.peaks, (3, 3))[rows, columns]
         xx, yy, xy, x, y = (np.float64(value) for value in derivatives(fit_nine(around)))
         usable = (xx >= 0) & (xx * yy > xy * xy)
         across, down = ((a * p + xy * q)[usable] for a, p, q in ((yy, x, y), (xx, y, x)))

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from evaluation.inputs.packages import opencv
 from golden import Parameters, Settings, detect
 from golden.algorithm import Fit
-from golden.detector import corner_map, frame_thresholds, response_map
-from golden.formats import MARGIN
+from golden.frame import Frame
 
 Positions = NDArray[np.float64]
 
@@ -86,10 +85,10 @@ def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) 
 
 def whole_pixels(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> NDArray[np.int64]:
     """(n, 2) pixels at which the response has its maxima, in the order of the records."""
-    responses = response_map(image, parameters)
-    _, limits = frame_thresholds(image, responses, parameters, settings, None)
-    rows, columns = np.nonzero(corner_map(responses, limits.t1, parameters))
-    return np.column_stack([columns, rows]) + MARGIN
+    frame = Frame(image, parameters, settings)
+    _, limits = frame.own_thresholds()
+    corners = frame.candidates(limits)
+    return np.column_stack([corners.x, corners.y])
 
 
 def corner_sub_pix(image: NDArray[np.uint8], pixels: NDArray[np.int64]) -> Positions:

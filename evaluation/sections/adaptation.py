@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from evaluation.figures import Figures
 from evaluation.inputs.sources import photograph
 from golden import Parameters, Settings, StreamModel
-from golden.detector import frame_records, largest_response, response_map
-from golden.thresholds import choose_reference, thresholds
+from golden.frame import Frame, History
+from golden.thresholds import thresholds
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -121,16 +121,16 @@ def _follow(law: str, frames: list[Image], target: int, parameters: Parameters) 
             counts.append(result.found)
             t1s.append(result.t1)
         return {"counts": counts, "t1": t1s}
-    previous, t1 = None, None
+    history, t1 = History(), None
     least = thresholds(settings, settings.floor, parameters).t1
     for image in frames:
-        responses = response_map(image, parameters)
-        limits = thresholds(settings, choose_reference(settings, previous), parameters)
+        frame = Frame(image, parameters, settings)
+        _, limits = frame.thresholds(history)
         t1 = limits.t1 if t1 is None else t1
-        records = frame_records(image, responses, limits._replace(t1=t1), parameters, report_rejected=False)
+        records = frame.records(limits._replace(t1=t1))
         counts.append(len(records))
         t1s.append(t1)
-        t1, previous = stepped(t1, len(records), target, least), largest_response(responses, parameters)
+        t1, history = stepped(t1, len(records), target, least), History(frame.maximum)
     return {"counts": counts, "t1": t1s}
 
 

@@ -19,8 +19,8 @@ from PIL import ImageDraw
 
 from golden import Corners, detect
 from golden.algorithm import Fit
-from golden.detector import RESPONSE_MARGIN, response_map
 from golden.formats import MARGIN
+from golden.frame import RESPONSE_MARGIN, response_map
 from golden.parameters import Parameters
 from golden.preprocessing import Image
 

@@ -25,8 +25,8 @@ from flow.cyclone4.area import Area
 from flow.cyclone4.synthesis import map_component
 from golden import Corners, Parameters, Settings, decode
 from golden.convolution import KERNEL, SHIFT
-from golden.detector import corner_map, frame_records, frame_thresholds, largest_response, response_map
-from golden.formats import MARGIN, OFFSET_BITS, WINDOW_SIZE
+from golden.formats import OFFSET_BITS, WINDOW_SIZE
+from golden.frame import Frame, response_map
 from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.preprocessing import IntArray, gradients, products
 from golden.response import response
@@ -231,9 +231,9 @@ def _detections(
 def _corners(image: NDArray[np.uint8], responses: IntArray, parameters: Parameters, cut: int) -> Corners:
     """With the default thresholds, in units of what is left of D."""
     settings = Settings.default(parameters)
-    reference = max(largest_response(responses, parameters), settings.floor >> cut)
-    limits = thresholds(settings, reference, parameters)
-    return decode(frame_records(image, responses, limits, parameters, report_rejected=False))
+    frame = Frame(image, parameters, settings, responses)
+    limits = thresholds(settings, max(frame.maximum, settings.floor >> cut), parameters)
+    return decode(frame.records(limits))
 
 
 def _places(corners: Corners) -> set[tuple[float, float]]:
@@ -272,13 +272,11 @@ def _mantissa(
 
 def _windows(image: NDArray[np.uint8], parameters: Parameters) -> NDArray[np.uint8]:
     """The pixels around every corner, by the default T1 and whatever the texture filter says."""
-    responses = response_map(image, parameters)
-    settings = Settings.default(parameters)
-    _, (t1, _) = frame_thresholds(image, responses, parameters, settings, None)
-    rows, columns = np.nonzero(corner_map(responses, t1, parameters))
-    around = MARGIN - PIXEL_SIZE // 2
+    frame = Frame(image, parameters, Settings.default(parameters))
+    _, limits = frame.own_thresholds()
+    corners = frame.candidates(limits)
     windows = np.lib.stride_tricks.sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))
-    return windows[rows + around, columns + around]
+    return windows[corners.y - PIXEL_SIZE // 2, corners.x - PIXEL_SIZE // 2]
 
 
 def _solution(

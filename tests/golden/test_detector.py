@@ -10,7 +10,7 @@ import pytest
 from golden import Parameters, Settings, check_image, detect, reference_detect
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
-from golden.detector import response_map
+from golden.frame import response_map
 from golden.preprocessing import gradients, products
 from golden.response import response
 

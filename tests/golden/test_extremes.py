@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from golden import Parameters, Settings, StreamModel
 from golden.algorithm import Fit, Gradient, Patches
 from golden.convolution import smooth
-from golden.detector import response_map
+from golden.frame import response_map
 from golden.preprocessing import gradients, products
 from golden.response import response
 from golden.subpixel import FITS, MANTISSA_BITS, derivative_bits, derivatives, mantissas

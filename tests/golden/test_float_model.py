@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from golden import Corners, Parameters, Settings, detect, float_model, reference_detect
 from golden.corner_detection import corner_detection
-from golden.detector import response_map
+from golden.frame import response_map
 from golden.normal_equations import normal_equations
 from golden.subpixel import fit_nine, fit_six, subpixel
 from golden.texture_filter import texturization

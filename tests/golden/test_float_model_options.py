@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from golden import Parameters, Settings, detect, float_model, reference_detect
 from golden.adaptive_threshold import LEVEL_GAIN, prominence
-from golden.detector import response_map
+from golden.frame import response_map
 from golden.preprocessing import gradients
 from golden.response_filter import response_filter
 from tests.support.photographs import PHOTOGRAPHS, photograph

@@ -12,8 +12,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from golden.corner_detection import corner_detection
-from golden.detector import response_map
 from golden.float_model import gradient_step
+from golden.frame import response_map
 from golden.normal_equations import LARGEST, PIXEL_SIZE, largest, normal_equations
 from golden.parameters import Parameters
 from golden.settings import Settings

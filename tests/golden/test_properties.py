@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from golden import Corners, Parameters, Settings, StreamModel, detect
 from golden.convolution import smooth
-from golden.detector import RESPONSE_MARGIN, corner_map, peak_responses, response_map
+from golden.frame import RESPONSE_MARGIN, Frame, response_map
 from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.output_constructor import Flag
 from golden.preprocessing import gradients, products
@@ -63,9 +63,9 @@ class Found(NamedTuple):
 
 def find(image: Image, parameters: Parameters) -> Found:
     corners = detect(image, parameters, EVERYTHING)
-    responses = response_map(image, parameters)
+    frame = Frame(image, parameters, EVERYTHING)
     # the outermost rows and columns of the map have no whole window around them
-    rows, columns = np.nonzero(corner_map(responses, 0, parameters))
+    rows, columns = np.nonzero(frame.maxima(0))
     y, x = rows + 3, columns + 3
     pixels = Corners(x + RESPONSE_MARGIN + 1.0, y + RESPONSE_MARGIN + 1.0, corners.response, corners.flags)
     assert len(pixels.x) == len(corners)
@@ -73,9 +73,7 @@ def find(image: Image, parameters: Parameters) -> Found:
         windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[y, x]
         return Found(corners, pixels, offset_bounds(normal_equations(windows), parameters))
     around = parameters.algorithm.suppression - 1
-    patches = sliding_window_view(peak_responses(responses, parameters), (3, 3))[
-        rows + around, columns + around
-    ]
+    patches = sliding_window_view(frame.peaks, (3, 3))[rows + around, columns + around]
     return Found(corners, pixels, bounds(patches, parameters))
 
 

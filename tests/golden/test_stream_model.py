@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from golden import Corners, Parameters, Settings, StreamModel, check_image, decode, decode_frame_end, detect
-from golden.detector import response_map
+from golden.frame import response_map
 from tests.support.photographs import photograph
 
 EVERYTHING = Settings(report_rejected=True)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from golden.algorithm import Fit
 from golden.corner_detection import corner_detection
-from golden.detector import response_map
+from golden.frame import response_map
 from golden.parameters import Parameters
 from golden.settings import Settings
 from golden.subpixel import (

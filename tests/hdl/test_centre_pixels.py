@@ -12,7 +12,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.convolution import smooth
-from golden.detector import RESPONSE_MARGIN, response_map
+from golden.frame import RESPONSE_MARGIN, response_map
 from golden.preprocessing import gradients, products
 from hdl.build import Build
 from hdl.centre_pixels import COLUMNS_BACK, CentrePixels

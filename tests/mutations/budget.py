@@ -91,8 +91,8 @@ BUDGET_MUTATIONS = {
     ),
     "the golden model forgets what T1 was adapted to": (
         "golden/detector.py",
-        "self._adapted = next_adapted(",
-        "self._adapted = None and next_adapted(",
+        "self._history = frame.following(limits, self._history)",
+        "self._history = History(frame.maximum)",
         "tests/golden/test_adaptation.py",
         "still_scene and camera",
     ),

@@ -153,9 +153,9 @@ MUTATIONS = {
         "stay_as_they_are",
     ),
     "the golden model forgets the previous maximum": Mutation(
-        "golden/detector.py",
-        "self._previous_maximum = maximum",
-        "self._previous_maximum = None",
+        "golden/frame.py",
+        "            return History(self.maximum)\n",
+        "            return History()\n",
         "tests/golden/test_stream_model.py",
     ),
     "equal neighbours are maxima": Mutation(

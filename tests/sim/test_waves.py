@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from golden import Settings, decode
-from golden.detector import response_map
+from golden.frame import response_map
 from hdl.build import Build
 from hdl.detector import Detector
 from sim import EngineName, Stalls, Stimulus, make_engine, simulate_frames

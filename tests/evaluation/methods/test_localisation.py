@@ -12,7 +12,7 @@ from evaluation.inputs.scenes import scene
 from evaluation.methods.localisation import INTEGER, OPENCV, corner_sub_pix, methods, place
 from golden import PROFILES, Parameters, Settings, detect
 from golden.algorithm import Fit
-from golden.detector import RESPONSE_MARGIN, response_map
+from golden.frame import RESPONSE_MARGIN, response_map
 
 SETTINGS = Settings(sigma1=0.02)
 

@@ -12,8 +12,8 @@ from PIL import Image
 from evaluation.sections.limits import PICTURE, board, on_board, picture, wander
 from golden import Parameters, Settings, detect
 from golden.algorithm import Fit
-from golden.detector import response_map
 from golden.formats import MARGIN
+from golden.frame import response_map
 from golden.subpixel import offset_limit
 from tests.support.photographs import PHOTOGRAPHS, photograph
 

@@ -15,7 +15,7 @@ from evaluation.report.word_lengths_page import word_lengths_tables
 from evaluation.sections import word_lengths
 from golden import Parameters
 from golden.convolution import smooth
-from golden.detector import response_map
+from golden.frame import response_map
 
 ROBUST = Parameters.profile("robust")
 

@@ -1,0 +1,199 @@
+"""One frame, an image in and records out, by the blocks of Fig. 9 in their order.
+
+1. Response map: D of every pixel, out of gradients, their products and smoothing (Eqs. 1, 2).
+2. Peaks: the responses whose maxima are corners, D or D smoothed.
+3. Reference: Dref, the frame before's largest response, or what the settings ask for.
+4. Thresholds: T1 and T2, fractions of Dref.
+5. Corners: maxima above T1 (Eqs. 3-5), and which of them the texture filter accepts (Eqs. 6-9).
+6. Subpixel: the offset of each corner from its pixel (Eqs. 10-13).
+7. Records: 64 bits for each corner (Eqs. 14-17), as many as the budget allows.
+8. History: what the next frame's reference and thresholds follow.
+
+Whoever works on frames takes these steps: ``golden.detector`` for an image by itself and for a
+stream of frames, and on top of that ``golden.video`` for frames that may be malformed.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from golden.adaptation import adapted_threshold, histogram, smoothed
+from golden.convolution import smooth
+from golden.corner_detection import corner_detection
+from golden.formats import MARGIN, WINDOW_SIZE
+from golden.normal_equations import PIXEL_SIZE
+from golden.output_constructor import Records, decode, encode
+from golden.parameters import Parameters
+from golden.preprocessing import Image, IntArray, gradients, products
+from golden.response import response
+from golden.response_filter import RESPONSE_FILTERS
+from golden.settings import Settings
+from golden.subpixel import subpixel
+from golden.textures import TEXTURES
+from golden.thresholds import Thresholds, choose_reference, thresholds
+
+RESPONSE_MARGIN = 3
+"""Pixels at each edge of a frame that have no response: gradient 1 and smoothing 2."""
+_STRIP_ROWS = 32
+
+
+class History(NamedTuple):
+    """What a frame follows: the last complete frame's largest response, and the D that its target
+    or rank asks for. None where there is no such frame, or where it has neither target nor rank.
+    """
+
+    maximum: int | None = None
+    adapted: int | None = None
+
+
+class Candidates(NamedTuple):
+    """Maxima above T1 in raster order: arrays of one length, (n,).
+
+    x, y: whole pixels, the first one of the frame is (0, 0). response: what is reported.
+    accepted: True where the texture filter lets the corner pass.
+    """
+
+    x: NDArray[np.int64]
+    y: NDArray[np.int64]
+    response: IntArray
+    accepted: NDArray[np.bool_]
+
+    def where(self, mask: NDArray[np.bool_]) -> Candidates:
+        """Those of a (n,) mask."""
+        return Candidates(self.x[mask], self.y[mask], self.response[mask], self.accepted[mask])
+
+
+class Frame:
+    """One frame on its way through the steps.
+
+    Parameters
+    ----------
+    image
+        (height, width), as ``golden.check_image`` allows it.
+    parameters, settings
+        The detector, and its settings in this frame.
+    responses
+        D, (height-6, width-6), where it is not :func:`response_map` of the image.
+    """
+
+    def __init__(
+        self, image: Image, parameters: Parameters, settings: Settings, responses: IntArray | None = None
+    ) -> None:
+        self.image, self.parameters, self.settings = image, parameters, settings
+        self.responses = response_map(image, parameters) if responses is None else responses
+        self.peaks = peak_responses(self.responses, parameters)
+
+    @property
+    def maximum(self) -> int:
+        """The largest response of the pixels at which a corner may be."""
+        radius = self.parameters.algorithm.suppression
+        return int(self.peaks[radius:-radius, radius:-radius].max())
+
+    def thresholds(self, history: History, reference: int | None = None) -> tuple[int, Thresholds]:
+        """Dref, unless it is given, and the thresholds that follow from it and from the history."""
+        if reference is None:
+            reference = choose_reference(self.settings, *history)
+        return reference, thresholds(self.settings, reference, self.parameters, history.adapted)
+
+    def own_thresholds(self, reference: int | None = None) -> tuple[int, Thresholds]:
+        """As :meth:`thresholds`, if the frame before was the same image."""
+        alike = History(self.maximum)
+        _, limits = self.thresholds(alike, reference)
+        return self.thresholds(self.following(limits, alike), reference)
+
+    def maxima(self, t1: int) -> NDArray[np.bool_]:
+        """E of all pixels at which a corner may be, (height-14, width-14)."""
+        algorithm = self.parameters.algorithm
+        return corner_detection(self.peaks, t1, algorithm.ties, algorithm.suppression)
+
+    def candidates(self, limits: Thresholds) -> Candidates:
+        """The maxima above T1, and what the texture filter says of each."""
+        algorithm = self.parameters.algorithm
+        rows, columns = np.nonzero(self.maxima(limits.t1))
+        windows = sliding_window_view(self.responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
+        values = self.peaks[rows + algorithm.suppression, columns + algorithm.suppression]
+        accepted, values = TEXTURES[algorithm.texture](values, windows, limits, algorithm.patches)
+        return Candidates(columns + MARGIN, rows + MARGIN, values, accepted)
+
+    def records(self, limits: Thresholds, *, pixels: int | None = None) -> Records:
+        """Records of the corners in raster order, :meth:`within_budget` or not.
+
+        Parameters
+        ----------
+        pixels
+            Only the corners whose whole support lies in the frame's first so many pixels, in
+            raster order; None: all.
+        """
+        corners = self.candidates(limits)
+        if pixels is not None:
+            last = (corners.y + MARGIN) * self.image.shape[1] + corners.x + MARGIN
+            corners = corners.where(last < pixels)
+        if not self.settings.report_rejected:
+            corners = corners.where(corners.accepted)
+        around = MARGIN - self.parameters.algorithm.suppression + 1
+        samples = sliding_window_view(self.peaks, (3, 3))[corners.y - around, corners.x - around]
+        around = PIXEL_SIZE // 2
+        pixel_windows = sliding_window_view(self.image, (PIXEL_SIZE, PIXEL_SIZE))
+        window = pixel_windows[corners.y - around, corners.x - around]
+        offset = subpixel(samples, self.parameters, window)
+        return encode(corners.x, corners.y, corners.response, offset, ~corners.accepted)
+
+    def within_budget(self, records: Records) -> Records:
+        """Those of a frame's records that are reported: up to the last corner that ``max_corners``
+        allows to be accepted.
+        """
+        limit = self.settings.max_corners
+        if not limit:
+            return records
+        accepted = np.flatnonzero(decode(records).accepted)
+        return records if len(accepted) < limit else records[: accepted[limit - 1] + 1]
+
+    def following(self, limits: Thresholds, history: History) -> History:
+        """The history that the next frame follows.
+
+        A target or a rank counts the corners that the texture filter accepts, whatever
+        ``report_rejected`` and ``max_corners`` are. With a rank, the paper's filter is not asked:
+        T2 is a fraction of the Dref that comes out, and would make a loop of it.
+        ``history`` is the one before, for ``smoothing``.
+        """
+        if not self.settings.wanted_corners:
+            return History(self.maximum)
+        corners = self.candidates(limits._replace(t1=0))
+        if self.parameters.algorithm.texture == "mean" or not self.settings.by_rank:
+            corners = corners.where(corners.accepted)
+        counts = histogram(corners.response, self.parameters)
+        adapted = adapted_threshold(counts, self.settings.wanted_corners, self.parameters)
+        if history.adapted is not None:
+            adapted = smoothed(history.adapted, adapted, self.settings.smoothing)
+        return History(self.maximum, adapted)
+
+
+def response_map(image: Image, parameters: Parameters) -> IntArray:
+    """D of every pixel that has one: (height, width) in, (height-6, width-6) int32 out.
+
+    Worked off in strips of rows, so that the intermediate arrays stay in the processor's cache.
+    """
+    height, width = image.shape
+    result = np.empty((height - 2 * RESPONSE_MARGIN, width - 2 * RESPONSE_MARGIN), dtype=np.int32)
+    for top in range(0, len(result), _STRIP_ROWS):
+        strip = image[top : top + _STRIP_ROWS + 2 * RESPONSE_MARGIN]
+        gx, gy = gradients(strip, parameters.algorithm.derivative)
+        a, b, c = (smooth(product) for product in products(gx, gy, parameters.algorithm.gradient))
+        result[top : top + _STRIP_ROWS] = response(a, b, c)
+    return result
+
+
+def peak_responses(responses: IntArray, parameters: Parameters) -> IntArray:
+    """The responses whose peaks are corners: of all pixels that can be reported, and as far around
+    as that needs.
+
+    (height, width) in, (height - 8 + 2·suppression, width - 8 + 2·suppression) out.
+    """
+    chosen = RESPONSE_FILTERS[parameters.algorithm.response_filter]
+    edge = WINDOW_SIZE // 2 - parameters.algorithm.suppression - chosen.reach
+    height, width = responses.shape
+    return chosen.apply(responses[edge : height - edge, edge : width - edge])

@@ -1,0 +1,32 @@
+"""The texture filters by name: what each makes of the candidates of a frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.adaptive_threshold import adaptive_threshold
+from golden.algorithm import Patches, Texture
+from golden.preprocessing import IntArray
+from golden.texture_filter import texture_filter
+from golden.thresholds import Thresholds
+
+Judgement = tuple[NDArray[np.bool_], IntArray]
+"""(n,) each: True where the corner is accepted, and the response that is reported."""
+
+
+def _patches(peaks: IntArray, windows: IntArray, limits: Thresholds, patches: Patches) -> Judgement:
+    return texture_filter(windows, limits.t2, patches), peaks
+
+
+def _mean(peaks: IntArray, windows: IntArray, limits: Thresholds, patches: Patches) -> Judgement:
+    return adaptive_threshold(peaks, windows, limits.t1, limits.t2)
+
+
+TEXTURES: dict[Texture, Callable[[IntArray, IntArray, Thresholds, Patches], Judgement]] = {
+    "patches": _patches,
+    "mean": _mean,
+}
+"""From peaks (n,), windows (n, 9, 9) of D around them, thresholds and the shape of the patches."""
