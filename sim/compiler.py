@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.metadata
+import importlib.resources
 import importlib.util
 import os
 import platform
@@ -101,6 +102,11 @@ def run_tool(command: list[str], what: str, folder: Path, environment: dict[str,
         # The first error is the cause; warnings and what follows from it are noise.
         start = next((k for k, line in enumerate(lines) if "error" in line.lower()), 0)
         raise CompilationError(f"{what} failed:\n" + "\n".join(lines[start : start + _ERROR_LINES]))
+
+
+def package_text(name: str) -> str:
+    """Text of a file that lies beside this module."""
+    return (importlib.resources.files("sim") / name).read_text(encoding="utf-8")
 
 
 def _key(compiler: Compiler, files: dict[str, str], extra: str) -> str:

@@ -16,9 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Literal, Protocol, get_args
-
-from amaranth.lib import wiring
+from typing import Literal, Protocol
 
 from sim.ports import Ports
 from sim.stimulus import Capture, Plan, Stimulus
@@ -90,51 +88,6 @@ class Engine(Protocol):
             The stimulus does not fit the ports.
         """
         ...
-
-
-def make_engine(
-    name: EngineName,
-    component: wiring.Component,
-    *,
-    verilog: str | Path | None = None,
-    notify: Callable[[str], None] | None = None,
-    cache: str | Path | None = None,
-) -> Engine:
-    """An engine for a component.
-
-    Parameters
-    ----------
-    name
-        ``"compiled"``: CXXRTL and a C++ compiler, around a million clocks per second;
-        ``"amaranth"``: Amaranth's own simulator, needs nothing, about two thousand; ``"verilog"``:
-        Verilator on emitted Verilog.
-    component
-        Component that was not elaborated before.
-    verilog
-        The Verilog text's file; for ``"verilog"`` only, which takes nothing but the ports from
-        ``component``.
-    notify
-        Called with one line before anything that takes seconds, such as compiling.
-    cache
-        Directory for compiled simulators; default: see :func:`sim.cache.cache_directory`.
-    """
-    say = notify or (lambda line: None)
-    options: dict[str, Any] = {"notify": say, "cache": None if cache is None else Path(cache)}
-    if name == "amaranth":
-        from sim.amaranth_engine import AmaranthEngine
-
-        return AmaranthEngine(component)
-    if name == "compiled":
-        from sim.compiled_engine import CompiledEngine
-
-        return CompiledEngine(component, **options)
-    if name == "verilog":
-        from sim.verilog_engine import VerilogEngine
-
-        if verilog is None:
-            raise ValueError("engine 'verilog' needs the file with the emitted Verilog")
-        return VerilogEngine(component, Path(verilog), **options)
-    raise ValueError(f"engine is {name!r}; allowed: {', '.join(get_args(EngineName))}")
 
 
 def hang(plan: Plan, accepted: list[int], delivered: list[int]) -> SimulationHang:

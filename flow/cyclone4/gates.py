@@ -10,7 +10,8 @@ from flow.cyclone4.synthesis import Synthesis, synthesize
 from flow.rules import rule_text
 from hdl.build import Build
 from hdl.detector import Detector
-from sim.engine import Engine, make_engine
+from sim.engine import Engine
+from sim.engines import make_engine
 
 
 def gate_level_verilog(synthesis: Synthesis) -> str:

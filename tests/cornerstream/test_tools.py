@@ -9,7 +9,7 @@ from cornerstream.tools import running_tools
 from flow.verilog import VerilogError
 from flow.yowasp import ToolError, ToolNotFoundError
 from sim import CompilationError, CompilerNotFoundError, SimulationError
-from sim.verilog_engine import VerilatorNotFoundError
+from sim.verilator import VerilatorNotFoundError
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from flow.verilog import VerilogError, emit_verilog, plain_ports
 from hdl.build import Build
 from hdl.edges import Interface
 from hdl.identifiers import is_plain
-from sim.verilog_engine import verilator_root
+from sim.verilator import verilator_root
 
 CORES: dict[str, tuple[str, Interface]] = {
     "cornerstream": ("paper", "axi"),

@@ -24,7 +24,7 @@ from golden.version import VERSION
 from golden.video import VideoModel, VideoSettings, marked
 from hdl.build import Build
 from sim.compiler import build, run_tool
-from sim.verilog_engine import verilator_root
+from sim.verilator import verilator_root
 
 WIDTH, HEIGHT = 64, 48
 FRAMES = 4

@@ -42,7 +42,7 @@ from hdl.identifiers import plain_port
 from hdl.parts.circular_buffer import CircularBuffer
 from sim import Stalls, Stimulus, compare, make_engine, simulate_frames, summarize
 from sim.ports import signals
-from sim.verilog_engine import verilator_root
+from sim.verilator import verilator_root
 from tests.support.photographs import photograph
 
 SMALL = {"max_width": 40, "max_height": 32}

@@ -22,7 +22,7 @@ from golden.version import VERSION
 from hdl.build import Build
 from hdl.detector import Detector
 from sim import Stalls, Stimulus, compare, make_engine, simulate_frames, summarize
-from sim.verilog_engine import verilator_root
+from sim.verilator import verilator_root
 from tests.support.photographs import photograph
 
 SMALL = {"max_width": 40, "max_height": 32}

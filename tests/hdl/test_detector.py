@@ -18,7 +18,8 @@ from golden import Parameters, Settings, StreamModel, decode_frame_end
 from hdl.build import Build
 from hdl.detector import Detector
 from hdl.subpixel import Subpixel
-from sim.engine import Engine, make_engine
+from sim.engine import Engine
+from sim.engines import make_engine
 from sim.frames import (
     Frame,
     SimulationResult,

@@ -18,7 +18,8 @@ from amaranth.lib import data, wiring
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from sim.engine import Engine, EngineName, make_engine
+from sim.engine import Engine, EngineName
+from sim.engines import make_engine
 from sim.stimulus import Capture, Stalls, Stimulus
 
 Array = NDArray[Any]
