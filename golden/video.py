@@ -1,15 +1,15 @@
 """Video as it arrives in the field: what becomes of it at the edge of the core, well-formed or not.
 
-A pixel travels with two marks, start of frame and end of line (AMD UG934). The detector behind the
+A pixel travels with its framing, start of frame and end of line (AMD UG934). The detector behind the
 edge only ever sees whole frames of the size that was set, from the first pixel to the last; this is
-the specification of how any stream of marked pixels becomes such frames, of what is reported about
+the specification of how any stream of framed pixels becomes such frames, of what is reported about
 the rest, and of the packets that come out.
 
 ================================
 ========================================================================= what comes in
 what becomes of it ================================
 ========================================================================= start of frame before the
-end     the frame is cut: closed without its remaining corners, and marked so. The
+end     the frame is cut: closed without its remaining corners, and flagged so. The
                                   new one begins at once
 pixels after a frame's last       dropped, up to the next start of frame end of line too early
 the frame is cut, and what follows dropped up to the next start of frame: no
@@ -87,7 +87,7 @@ class VideoSettings:
     enabled
         Frames that start otherwise are dropped.
     ignore_eol
-        Lines are told apart by counting; end-of-line marks mean nothing.
+        Lines are told apart by counting; ends of line mean nothing.
     max_records
         Corners reported per frame, at most; what is too many is dropped. Holds at once.
     """
@@ -291,7 +291,7 @@ class VideoModel:
         return image.reshape(now.height, now.width)
 
 
-def marked(image: Image, *, sof: bool = True, eol: bool = True) -> list[tuple[int, bool, bool]]:
+def framed(image: Image, *, sof: bool = True, eol: bool = True) -> list[tuple[int, bool, bool]]:
     """A well-formed frame as beats ``(pixel, start of frame, end of line)``; or one that lacks its
     marks.
     """

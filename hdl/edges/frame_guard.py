@@ -16,7 +16,7 @@ from hdl.build import Build
 
 
 def video_layout(parameters: Build) -> data.StructLayout:
-    """A pixel with its marks: first of a frame, last of a line."""
+    """A pixel with its framing: first of a frame, last of a line."""
     return data.StructLayout({"pixel": unsigned(parameters.pixel_bits), "sof": 1, "eol": 1})
 
 
@@ -48,7 +48,7 @@ class FrameGuard(wiring.Component):
     i
         Stream of ``video_layout(parameters)``.
     o
-        Stream of ``video_layout(parameters)``: pixels of whole frames, marked as they should be.
+        Stream of ``video_layout(parameters)``: pixels of whole frames, framed as they should be.
     width, height
         Size of the next frame, 15x15 up to the built maximum; kept from its first pixel on.
     frame_width, frame_height

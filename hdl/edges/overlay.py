@@ -74,8 +74,8 @@ class Overlay(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        kept = data.StructLayout({"pixel": unsigned(self._parameters.pixel_bits), "tag": 1})
-        queue = Queue(kept, self.depth)
+        stored = data.StructLayout({"pixel": unsigned(self._parameters.pixel_bits), "tag": 1})
+        queue = Queue(stored, self.depth)
         m.submodules.pixels = ResetInserter(self.restart)(queue)
         room = Signal()
         m.d.sync += room.eq(queue.room & ~self.restart)
@@ -86,24 +86,24 @@ class Overlay(wiring.Component):
             queue.i.payload.tag.eq(self.i.payload.sof | self.i.payload.eol),
         ]
 
-        # columns before the first that can be marked, rows likewise; then whether the last marked
+        # columns before the first that can have a flag, rows likewise; then whether the last flag
         # has gone by
         column, row = Signal(range(MARGIN + 1)), Signal(range(MARGIN + 1))
         right, below = Signal(), Signal()
-        marked, free, step, eol = Signal(), Signal(), Signal(), Signal()
+        flagged, free, step, eol = Signal(), Signal(), Signal(), Signal()
         tag = queue.o.payload.tag
         m.d.comb += [
-            marked.eq((column == MARGIN) & (row == MARGIN) & ~right & ~below),
-            free.eq((~self.o.valid | self.o.ready) & (~marked | self.corner_flags.valid)),
+            flagged.eq((column == MARGIN) & (row == MARGIN) & ~right & ~below),
+            free.eq((~self.o.valid | self.o.ready) & (~flagged | self.corner_flags.valid)),
             step.eq(queue.o.valid & free),
             queue.o.ready.eq(free),
-            self.corner_flags.ready.eq(step & marked),
+            self.corner_flags.ready.eq(step & flagged),
             eol.eq(tag & (column != 0)),
             self.done.eq(step & eol & below & (row == MARGIN)),
         ]
         with m.If(step):
             m.d.sync += column.eq(Mux(eol, 0, Mux(column == MARGIN, MARGIN, column + 1)))
-            with m.If(marked):
+            with m.If(flagged):
                 m.d.sync += right.eq(self.corner_flags.payload.eol)
                 with m.If(self.corner_flags.payload.eof):
                     m.d.sync += [below.eq(1), row.eq(0)]
@@ -121,7 +121,7 @@ class Overlay(wiring.Component):
         with m.If(step):
             m.d.sync += [
                 self.o.payload.pixel.eq(queue.o.payload.pixel),
-                self.o.payload.corner.eq(marked & self.corner_flags.payload.corner),
+                self.o.payload.corner.eq(flagged & self.corner_flags.payload.corner),
                 self.o.payload.sof.eq(tag & (column == 0)),
                 self.o.payload.eol.eq(eol),
             ]

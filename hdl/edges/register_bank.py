@@ -137,7 +137,7 @@ class RegisterBank(wiring.Component):
             return self._enabled
         contents: Value = C(0, 0)
         for field in register.fields:
-            kept = self._field(field.name)
+            kept = self._field(field.setting or field.name)
             bits = C(field.reset, field.bits) if kept is None else kept
             contents = Cat(contents, C(0, field.low - len(contents)), bits)
         return contents
@@ -156,7 +156,7 @@ class RegisterBank(wiring.Component):
             if register.access != "rw" or name in ("SIZE", "IRQ_ENABLE"):
                 continue
             for field in register.fields:
-                kept = self._field(field.name)
+                kept = self._field(field.setting or field.name)
                 assert kept is not None
                 if field.name != "reset":
                     self._write(m, written[name], field, kept)

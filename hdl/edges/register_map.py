@@ -53,7 +53,7 @@ MEANINGS = {
 @dataclass(frozen=True)
 class Field:
     """Some bits of a register: ``bits`` of them from bit ``low`` up, which are ``reset`` after
-    reset.
+    reset. ``setting`` is the setting that they hold, where that has another name.
     """
 
     name: str
@@ -61,6 +61,7 @@ class Field:
     bits: int
     text: str
     reset: int = 0
+    setting: str = ""
 
     @property
     def high(self) -> int:
@@ -208,7 +209,11 @@ def _control(p: Build) -> tuple[Register, ...]:
                     "Write 1: cut the frame under way, forget the last one, count frames from 0. Reads 1 until done.",
                 ),
                 Field(
-                    "use_constant", 2, 1, "Thresholds relative to CONSTANT, not to the last frame's largest."
+                    "use_reference_init",
+                    2,
+                    1,
+                    "Thresholds are fractions of REFERENCE_INIT in every frame.",
+                    setting="use_constant",
                 ),
                 Field("report_rejected", 3, 1, "Report corners that the texture filter rejects, too."),
                 Field("ignore_eol", 4, 1, "Tell lines apart by counting: for sources without end of line."),
@@ -252,18 +257,36 @@ def _control(p: Build) -> tuple[Register, ...]:
             *_sigma2(p, settings.sigma2_fixed),
         ),
         Register(
-            "CONSTANT",
+            "REFERENCE_INIT",
             0x28,
             "rw",
             "Reference where no frame before counts.",
-            (Field("constant", 0, p.response_bits, "In units of D.", settings.constant),),
+            (
+                Field(
+                    "reference_init",
+                    0,
+                    p.response_bits,
+                    "In units of D; the setting `constant`.",
+                    settings.constant,
+                    "constant",
+                ),
+            ),
         ),
         Register(
-            "FLOOR",
+            "REFERENCE_MIN",
             0x2C,
             "rw",
             "The reference is never below it.",
-            (Field("floor", 0, p.response_bits, "In units of D.", settings.floor),),
+            (
+                Field(
+                    "reference_min",
+                    0,
+                    p.response_bits,
+                    "In units of D; the setting `floor`.",
+                    settings.floor,
+                    "floor",
+                ),
+            ),
         ),
         Register(
             "MAX_RECORDS",
@@ -363,7 +386,7 @@ def _budget(p: Build) -> tuple[Register, ...]:
             "REFERENCE",
             0x3C,
             "rw",
-            "What thresholds are fractions of, where it is neither CONSTANT nor the largest response.",
+            "What thresholds are fractions of, where it is neither REFERENCE_INIT nor the largest response.",
             (
                 Field(
                     "reference_rank",
@@ -389,7 +412,7 @@ def _budget(p: Build) -> tuple[Register, ...]:
                     "adapted_t1",
                     0,
                     p.response_bits,
-                    "In units of D: with a target T1, but at least SIGMA1 times FLOOR; with a rank the reference.",
+                    "In units of D. With a target: T1, at least SIGMA1 times REFERENCE_MIN; with a rank: Dref.",
                 ),
                 Field("adapted", 31, 1, "There was such a frame, and it had a target or a rank."),
             ),

@@ -60,12 +60,12 @@ def initial_control(parameters: Build) -> dict[str, Any]:
 
 
 class VideoDetector(wiring.Component):
-    """Packets of corners out of any stream of marked pixels; see ``golden.video`` for what becomes
+    """Packets of corners out of any stream of framed pixels; see ``golden.video`` for what becomes
     of which.
 
         video ─ skid ─ frame guard ─┬─ detector ─┬─ packet constructor ─ records
                                     └─ overlay ──┘       (restart)
-                                          └─ pixels, marked
+                                          └─ pixels with corner flags
 
     The detector gets whole frames only. Where one is cut, it is restarted as soon as the frames
     before have left it; until then, a few hundred clocks at most unless the output is held up, no

@@ -22,7 +22,7 @@ from cocotb.triggers import ClockCycles
 from golden import Parameters, Settings
 from golden.output_constructor import Records
 from golden.preprocessing import Image
-from golden.video import Event, Packet, VideoModel, VideoSettings, marked
+from golden.video import Event, Packet, VideoModel, VideoSettings, framed
 from hdl.build import Build
 from hdl.detector import Detector
 from hdl.edges.register_map import register_map
@@ -163,11 +163,12 @@ class Bench:
             **video.settings.fixed(self.parameters),
         }
         # CONTROL last, for it starts
-        names = ["SIZE", "SIGMA1", "SIGMA2", "CONSTANT", "FLOOR", "MAX_RECORDS"]
+        names = ["SIZE", "SIGMA1", "SIGMA2", "REFERENCE_INIT", "REFERENCE_MIN", "MAX_RECORDS"]
         names += [name for name in ("BUDGET", "REFERENCE") if name in self.map]
         for name in (*names, "CONTROL"):
-            fields = (field.name for field in self.map[name].fields)
-            await self.write_fields(name, **{field: values[field] for field in fields if field in values})
+            settings = {field.name: field.setting or field.name for field in self.map[name].fields}
+            fields = {field: values[setting] for field, setting in settings.items() if setting in values}
+            await self.write_fields(name, **fields)
         self.video = video
 
     async def enable(self, enabled: bool) -> None:
@@ -200,7 +201,7 @@ class Bench:
 
     def send(self, beats: Beats | Image) -> None:
         """Queues beats or a well-formed frame, and expects what becomes of it with what is set now."""
-        beats = marked(beats) if isinstance(beats, np.ndarray) else beats
+        beats = framed(beats) if isinstance(beats, np.ndarray) else beats
         self.source.beats(beats)
         self.expect(beats)
 
@@ -255,7 +256,7 @@ class Bench:
         self.model.events = events
         self.shown.interrupt(begun)
         for packet in after:
-            self.expect(marked(packet.pixels))
+            self.expect(framed(packet.pixels))
         return before
 
     async def check_reset(self, before: list[Packet]) -> tuple[int, bool]:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import cocotb
 
 from golden.preprocessing import Image
-from golden.video import Event, marked
+from golden.video import Event, framed
 from tests.benches.axi import ROUNDS, Bench, draw, usual
 from tests.benches.common import Dut
 
@@ -74,7 +74,7 @@ async def target_corners(dut: Dut, stall: float) -> None:
             await aim(bench, target_corners=target, **drawn)
             images: list[Image] = [bench.squares(random_), bench.image(random_), bench.squares(random_)]
             bench.send(images[0])
-            bench.send(marked(images[1])[: int(random_.integers(1, images[1].size))])
+            bench.send(framed(images[1])[: int(random_.integers(1, images[1].size))])
             bench.send(images[1])
             bench.send(images[2])
             await bench.check()
@@ -98,7 +98,7 @@ async def reset_forgets(dut: Dut) -> None:
         assert bench.model.adapted
         await check_adapted(bench)
         if within:
-            bench.send(marked(first)[:700])
+            bench.send(framed(first)[:700])
             await bench.quiet()
         await bench.soft_reset()
         await bench.quiet()

@@ -15,7 +15,7 @@ import cocotb
 from cocotb.triggers import ClockCycles, RisingEdge, Timer
 
 from golden import Settings
-from golden.video import NO_LIMIT, Event, VideoSettings, marked
+from golden.video import NO_LIMIT, Event, VideoSettings, framed
 from tests.benches.axi import ROUNDS, Bench, draw
 from tests.benches.common import Dut
 from tests.support import malformed
@@ -53,7 +53,7 @@ async def configure(bench: Bench, random_: Random, **changes: int) -> None:
 
 
 def frame(bench: Bench, random_: Random, fault: Fault = malformed.whole) -> Beats:
-    return fault(marked(bench.image(random_)), bench.video.width, random_)
+    return fault(framed(bench.image(random_)), bench.video.width, random_)
 
 
 async def between(bench: Bench, random_: Random, fault: Fault, exactly: Event, perhaps: Event = NONE) -> None:

@@ -15,7 +15,7 @@ from cocotb.triggers import ClockCycles, RisingEdge
 from cocotbext.axi import AxiResp
 
 from golden.version import VERSION
-from golden.video import Event, marked
+from golden.video import Event, framed
 from sim.cocotb_bench import CLOCK_NS
 from tests.benches.axi import ROUNDS, Bench, draw, usual
 from tests.benches.common import Dut
@@ -31,8 +31,8 @@ WRITABLE = {
     0x30: 0xFF_FFFF,
     0x34: 0xFF_FFFF,
 }
-"""Which bits keep what is written to them, where all values are allowed; CONSTANT and FLOOR depend
-on the build.
+"""Which bits keep what is written to them, where all values are allowed; REFERENCE_INIT and
+REFERENCE_MIN depend on the build.
 """
 STATUS, SIZE, CONTROL, IRQ_ENABLE, TIMEOUT = 0x14, 0x1C, 0x10, 0x18, 0x34
 
@@ -221,7 +221,7 @@ async def interrupts(dut: Dut) -> None:
     await usual(bench)
     for _ in range(ROUNDS):
         image = bench.squares(draw())
-        beats, last = marked(image), image.shape[1] - 1
+        beats, last = framed(image), image.shape[1] - 1
         # a long line; a frame, and another cut by the end of a line; pixels that belong to none
         bench.send([*beats[:last], (1, False, False), (2, False, True), *beats[last + 1 :]])
         bench.send([*beats[: last // 2], (0, False, True)])

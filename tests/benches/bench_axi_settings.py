@@ -12,7 +12,7 @@ from cocotb.triggers import ClockCycles
 from cocotbext.axi import AxiResp
 
 from golden import Settings
-from golden.video import Event, VideoSettings, marked
+from golden.video import Event, VideoSettings, framed
 from tests.benches.axi import ROUNDS, Bench, draw, usual
 from tests.benches.bench_axi_registers import CONTROL, IRQ_ENABLE, READ_ONLY, SIZE, STATUS, TIMEOUT
 from tests.benches.common import Dut
@@ -71,7 +71,7 @@ async def soft_reset(dut: Dut) -> None:
     if bench.parameters.video_out:
         bench.shown.check(bench.sinks[1])
     bench.forget()
-    # the first frame again: number 0, reference from CONSTANT
+    # the first frame again: number 0, reference from REFERENCE_INIT
     bench.send(image)
     packet = bench.expected[-1]
     assert packet.frame == 0
@@ -174,7 +174,7 @@ async def ends_wait(dut: Dut) -> None:
     await bench.start()
     await usual(bench, max_records=0)
     await bench.registers.write(IRQ_ENABLE, int(Event.FRAME_DONE | Event.FRAME_CUT))
-    whole = marked(bench.squares(draw()))
+    whole = framed(bench.squares(draw()))
     for beats in (whole, [*whole[:10], (0, False, True)]):
         bench.sink.axi.pause = True
         bench.send(beats)

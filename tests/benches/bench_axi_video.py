@@ -15,7 +15,7 @@ from tests.benches.axi import ROUNDS, Bench, draw
 from tests.benches.common import Dut
 from tests.support import malformed
 from tests.support.filters import strict
-from tests.support.malformed import Random, marked
+from tests.support.malformed import Random, framed
 
 
 async def configure(bench: Bench, random_: Random, width: int, height: int, **changes: int) -> None:
@@ -109,12 +109,12 @@ async def malformed_video(dut: Dut, stall: float) -> None:
     for fault in (malformed.early_sof, malformed.short_line, malformed.long_line, malformed.no_eol):
         for _ in range(ROUNDS):
             bench.send(bench.image(random_))
-            bench.send(fault(marked(bench.image(random_)), bench.video.width, random_))
+            bench.send(fault(framed(bench.image(random_)), bench.video.width, random_))
             bench.send(bench.image(random_))
             await bench.check()
             pieces += bench.shown.pieces
     bench.send(bench.image(random_))
-    bench.send(marked(bench.image(random_))[:-1])
+    bench.send(framed(bench.image(random_))[:-1])
     bench.send(bench.image(random_))
     assert bench.model.events == Event.FRAME_DONE | Event.FRAME_CUT | Event.SOF_EARLY
     await bench.check()

@@ -21,7 +21,7 @@ from flow.command import command
 from flow.package import MANIFEST, PackageInterface, package_files
 from golden import Parameters, Settings
 from golden.version import VERSION
-from golden.video import VideoModel, VideoSettings, marked
+from golden.video import VideoModel, VideoSettings, framed
 from hdl.build import Build
 from sim.compiler import build, run_tool
 from sim.verilator import verilator_root
@@ -97,7 +97,7 @@ def expected(parameters: Parameters) -> list[int]:
     """Corners of each frame, by the golden model."""
     model = VideoModel(parameters)
     settings = VideoSettings(WIDTH, HEIGHT, Settings.default(parameters, sigma2=SIGMA2))
-    return [model.feed(marked(squares(frame)), settings)[0].found for frame in range(FRAMES)]
+    return [model.feed(framed(squares(frame)), settings)[0].found for frame in range(FRAMES)]
 
 
 def bench(files: dict[str, str]) -> Path:

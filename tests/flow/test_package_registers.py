@@ -19,7 +19,7 @@ from golden import Parameters
 from hdl.build import Build
 from hdl.edges.register_map import ADDRESS_BITS, register_map
 
-PARAMETERS = Build.profile("paper")
+PARAMETERS = Build()
 BUILDS = [
     PARAMETERS,
     Build.profile("robust", max_width=640, max_height=480, pixel_bits=10, autostart=True),

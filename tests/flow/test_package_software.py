@@ -16,7 +16,7 @@ import pytest
 from flow.package import PackageInterface, driver_map, package_files
 from golden import Parameters, Settings, decode
 from golden.output_constructor import FrameEnd, decode_frame_end, encode_frame_end
-from golden.video import Packet, VideoModel, VideoSettings, marked
+from golden.video import Packet, VideoModel, VideoSettings, framed
 from hdl.build import Build
 from hdl.edges.register_map import register_map
 from sim.compiler import find_compiler
@@ -123,7 +123,7 @@ def recorded() -> Packet:
     settings = Settings.default(
         PARAMETERS, sigma1=0.01, sigma2=1.5, constant=1024, floor=64, report_rejected=True
     )
-    (packet,) = VideoModel(PARAMETERS).feed(marked(image), VideoSettings(WIDTH, HEIGHT, settings))
+    (packet,) = VideoModel(PARAMETERS).feed(framed(image), VideoSettings(WIDTH, HEIGHT, settings))
     return packet
 
 

@@ -40,7 +40,7 @@ OVERLAY = Claim(
     depth=1,
     covered=8,
     faults=(
-        Fault("(~self.o.valid | self.o.ready) & (~marked", "(~marked", "o: the payload changes", within=8),
+        Fault("(~self.o.valid | self.o.ready) & (~flagged", "(~flagged", "o: the payload changes", within=8),
         Fault(
             "with m.If(step):\n            m.d.sync += [\n                self.o",
             "if True:\n            m.d.sync += [\n                self.o",

@@ -20,7 +20,7 @@ from golden.adaptation import (
     histogram,
     octaves,
 )
-from golden.video import Event, VideoModel, VideoSettings, marked
+from golden.video import Event, VideoModel, VideoSettings, framed
 from tests.support.photographs import photograph
 
 PAPER = Parameters.profile("paper", budget=True)
@@ -181,8 +181,8 @@ def test_a_cut_frame_changes_nothing() -> None:
     video = VideoSettings(40, 40, settings)
     images = [window("grass", k, 40) for k in (9, 10, 30)]
     whole, cut = VideoModel(p), VideoModel(p)
-    plain = [packet for k in (0, 1) for packet in whole.feed(marked(images[k]), video)]
-    beats = marked(images[0]) + marked(images[2])[:1200] + marked(images[1])
+    plain = [packet for k in (0, 1) for packet in whole.feed(framed(images[k]), video)]
+    beats = framed(images[0]) + framed(images[2])[:1200] + framed(images[1])
     packets = cut.feed(beats, video)
     assert [packet.cut for packet in packets] == [False, True, False]
     assert packets[2].found == plain[1].found > 4

@@ -12,7 +12,7 @@ import pytest
 from golden import Parameters, Settings, StreamModel, decode_frame_end, detect
 from golden.output_constructor import FrameEnd, encode_frame_end
 from golden.preprocessing import Image
-from golden.video import Event, Packet, VideoModel, VideoSettings, marked
+from golden.video import Event, Packet, VideoModel, VideoSettings, framed
 from tests.support.malformed import FAULTS, Beats, Fault, texture, whole
 
 WIDTH, HEIGHT = 36, 28
@@ -57,7 +57,7 @@ def is_cut(packet: Packet, frame: int, pixels: int) -> None:
 
 
 def test_well_formed_frames_are_those_of_the_plain_model() -> None:
-    packets, model = feed(*(marked(one) for one in (FIRST, SECOND, THIRD)))
+    packets, model = feed(*(framed(one) for one in (FIRST, SECOND, THIRD)))
     plain = StreamModel(PARAMETERS)
     for packet, one in zip(packets, (FIRST, SECOND, THIRD), strict=True):
         assert packet.records.tolist() == plain.process(one, SETTINGS).records.tolist()
@@ -65,7 +65,7 @@ def test_well_formed_frames_are_those_of_the_plain_model() -> None:
 
 
 def test_early_sof_cuts_and_begins_at_once() -> None:
-    packets, model = feed(marked(FIRST), marked(SECOND)[:300], marked(THIRD))
+    packets, model = feed(framed(FIRST), framed(SECOND)[:300], framed(THIRD))
     assert len(packets) == 3
     is_exact(packets[0], good(FIRST)[0], 0)
     is_cut(packets[1], 1, 300)
@@ -75,7 +75,7 @@ def test_early_sof_cuts_and_begins_at_once() -> None:
 
 
 def test_late_sof_drops_the_surplus() -> None:
-    packets, model = feed(marked(FIRST), BLACK * 5, marked(SECOND))
+    packets, model = feed(framed(FIRST), BLACK * 5, framed(SECOND))
     is_exact(packets[0], good(FIRST)[0], 0)
     is_exact(packets[1], good(FIRST, SECOND)[1], 1)
     assert model.events == Event.FRAME_DONE | Event.SOF_LATE
@@ -83,7 +83,7 @@ def test_late_sof_drops_the_surplus() -> None:
 
 @pytest.mark.parametrize("eol", [True, False])
 def test_a_frame_without_sof_is_dropped(eol: bool) -> None:
-    packets, model = feed(marked(FIRST), marked(SECOND, sof=False, eol=eol), marked(THIRD))
+    packets, model = feed(framed(FIRST), framed(SECOND, sof=False, eol=eol), framed(THIRD))
     is_exact(packets[1], good(FIRST, THIRD)[1], 1)
     assert model.events == Event.FRAME_DONE | Event.SOF_LATE | Event.SOF_MISSING
 
@@ -95,8 +95,8 @@ def test_before_the_first_sof_nothing_is_wrong_until_a_whole_frame_has_gone_by()
 
 
 def test_short_line_cuts_and_the_rest_is_dropped() -> None:
-    short = FAULTS["short_line"](marked(SECOND), WIDTH, np.random.default_rng(3))
-    packets, model = feed(marked(FIRST), short, marked(THIRD))
+    short = FAULTS["short_line"](framed(SECOND), WIDTH, np.random.default_rng(3))
+    packets, model = feed(framed(FIRST), short, framed(THIRD))
     assert packets[1].cut and len(packets) == 3
     is_exact(packets[2], good(FIRST, THIRD)[1], 2)
     assert model.events == Event.FRAME_DONE | Event.FRAME_CUT | Event.EOL_EARLY
@@ -105,16 +105,16 @@ def test_short_line_cuts_and_the_rest_is_dropped() -> None:
 @pytest.mark.parametrize("row", [0, 7, HEIGHT - 1])
 @pytest.mark.parametrize("surplus", [1, WIDTH - 1])
 def test_long_line_loses_its_surplus(row: int, surplus: int) -> None:
-    beats, end = marked(SECOND), (row + 1) * WIDTH
+    beats, end = framed(SECOND), (row + 1) * WIDTH
     pixel, sof, _ = beats[end - 1]
     extra = [(1, False, k == surplus - 1) for k in range(surplus)]
-    packets, model = feed(marked(FIRST), [*beats[: end - 1], (pixel, sof, False), *extra, *beats[end:]])
+    packets, model = feed(framed(FIRST), [*beats[: end - 1], (pixel, sof, False), *extra, *beats[end:]])
     is_exact(packets[1], good(FIRST, SECOND)[1], 1)
     assert model.events == Event.FRAME_DONE | Event.EOL_LATE
 
 
 def test_without_ends_of_line_each_frame_is_cut_by_the_next() -> None:
-    packets, model = feed(marked(FIRST), marked(SECOND, eol=False), marked(THIRD))
+    packets, model = feed(framed(FIRST), framed(SECOND, eol=False), framed(THIRD))
     is_cut(packets[1], 1, WIDTH)
     is_exact(packets[2], good(FIRST, THIRD)[1], 2)
     seen = Event.FRAME_DONE | Event.FRAME_CUT | Event.SOF_EARLY | Event.EOL_LATE | Event.EOL_MISSING
@@ -123,7 +123,7 @@ def test_without_ends_of_line_each_frame_is_cut_by_the_next() -> None:
 
 def test_ends_of_line_can_be_ignored() -> None:
     video = replace(VIDEO, ignore_eol=True)
-    packets, model = feed(marked(FIRST, eol=False), marked(SECOND), video=video)
+    packets, model = feed(framed(FIRST, eol=False), framed(SECOND), video=video)
     for packet, records, number in zip(packets, good(FIRST, SECOND), (0, 1), strict=True):
         is_exact(packet, records, number)
     assert model.events == Event.FRAME_DONE
@@ -132,18 +132,18 @@ def test_ends_of_line_can_be_ignored() -> None:
 def test_while_disabled_frames_do_not_start_but_go_on() -> None:
     off = replace(VIDEO, enabled=False)
     model = VideoModel(PARAMETERS)
-    beats = marked(FIRST)
+    beats = framed(FIRST)
     assert model.feed(beats[:200], VIDEO) == []
-    (packet,) = model.feed(beats[200:] + marked(SECOND) + BLACK * 1000, off)
+    (packet,) = model.feed(beats[200:] + framed(SECOND) + BLACK * 1000, off)
     is_exact(packet, good(FIRST)[0], 0)
     assert model.events == Event.FRAME_DONE
-    (packet,) = model.feed(marked(THIRD), VIDEO)
+    (packet,) = model.feed(framed(THIRD), VIDEO)
     is_exact(packet, good(FIRST, THIRD)[1], 1)
 
 
 def test_surplus_records_are_dropped_and_counted() -> None:
     (records,) = good(FIRST)
-    packets, model = feed(marked(FIRST), video=replace(VIDEO, max_records=2))
+    packets, model = feed(framed(FIRST), video=replace(VIDEO, max_records=2))
     assert len(records) > 2 and packets[0].records[:-1].tolist() == records[:2].tolist()
     assert decode_frame_end(int(packets[0].records[-1])).records == 2
     assert packets[0].found == len(records) and model.dropped_records == len(records) - 2
@@ -151,22 +151,22 @@ def test_surplus_records_are_dropped_and_counted() -> None:
 
 
 def test_a_frame_keeps_its_size() -> None:
-    model, beats = VideoModel(PARAMETERS), marked(FIRST)
+    model, beats = VideoModel(PARAMETERS), framed(FIRST)
     packets = model.feed(beats[:100], VIDEO) + model.feed(beats[100:], replace(VIDEO, width=15, height=16))
     is_exact(packets[0], good(FIRST)[0], 0)
 
 
 def test_reset_forgets_everything() -> None:
     model = VideoModel(PARAMETERS)
-    model.feed(marked(FIRST) + marked(SECOND)[:50], VIDEO)
+    model.feed(framed(FIRST) + framed(SECOND)[:50], VIDEO)
     model.reset()
     assert not model.active and model.events == Event(0)
-    (packet,) = model.feed(marked(THIRD), VIDEO)
+    (packet,) = model.feed(framed(THIRD), VIDEO)
     is_exact(packet, good(THIRD)[0], 0)
 
 
 def test_cut_packets_match_any_number_of_their_first_records() -> None:
-    packets, _ = feed(marked(FIRST), marked(SECOND)[:LATE], marked(THIRD))
+    packets, _ = feed(framed(FIRST), framed(SECOND)[:LATE], framed(THIRD))
     packet, full = packets[1], packets[1].records
     assert 0 < len(full) < len(good(FIRST, SECOND)[1])
 
@@ -186,7 +186,7 @@ def test_cut_packets_match_any_number_of_their_first_records() -> None:
 
 
 def test_records_of_a_cut_frame_need_their_whole_support() -> None:
-    first, packet = feed(marked(FIRST), marked(SECOND)[:LATE], marked(THIRD)[:1])[0]
+    first, packet = feed(framed(FIRST), framed(SECOND)[:LATE], framed(THIRD)[:1])[0]
     # independent of what would have followed: white instead of black
     padded = SECOND.copy().ravel()
     padded[LATE:] = 255
@@ -201,8 +201,8 @@ def test_records_of_a_cut_frame_need_their_whole_support() -> None:
 def test_after_anything_the_second_next_frame_is_exact(fault: Fault) -> None:
     random = np.random.default_rng(1)
     for _ in range(20):
-        bad = fault(marked(texture(random, WIDTH, HEIGHT)), WIDTH, random)
-        packets, _ = feed(marked(FIRST), bad, whole(marked(SECOND), WIDTH, random), marked(THIRD))
+        bad = fault(framed(texture(random, WIDTH, HEIGHT)), WIDTH, random)
+        packets, _ = feed(framed(FIRST), bad, whole(framed(SECOND), WIDTH, random), framed(THIRD))
         last = decode_frame_end(int(packets[-1].records[-1]))
         assert not last.cut
         assert packets[-1].records[:-1].tolist() == good(SECOND, THIRD)[1].tolist()

@@ -40,9 +40,9 @@ EDGE_MUTATIONS = {
         "tests/hdl/edges/test_video_detector.py",
         "malformed and lean and flowing",
     ),
-    "pixels are marked that can be no corner": (
+    "pixels are flagged that can be no corner": (
         "hdl/edges/overlay.py",
-        "marked & self.corner_flags.payload.corner",
+        "flagged & self.corner_flags.payload.corner",
         "self.corner_flags.valid & self.corner_flags.payload.corner",
         "tests/hdl/edges/test_overlay.py",
         "pixels_and_corners",

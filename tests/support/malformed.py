@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from golden.preprocessing import Image
-from golden.video import marked
+from golden.video import framed
 
 Beats = list[tuple[int, bool, bool]]
 """(pixel, start of frame, end of line)"""
@@ -102,7 +102,7 @@ class Video:
     tried: Counter[str] = field(default_factory=Counter)
 
     def add(self, image: Image, fault: Fault, random: Random) -> None:
-        beats = fault(marked(image), image.shape[1], random)
+        beats = fault(framed(image), image.shape[1], random)
         self.frames.append((image, beats))
         self.tried["well-formed" if fault is whole else fault.__name__.replace("_", " ")] += 1
 

@@ -13,7 +13,7 @@ from amaranth.lib.wiring import In, Out
 
 from golden import Parameters, Settings
 from golden.preprocessing import Image
-from golden.video import Event, VideoModel, VideoSettings, marked
+from golden.video import Event, VideoModel, VideoSettings, framed
 from hdl.build import Build
 from hdl.edges.avalon import AvalonCore
 from hdl.edges.register_map import IDENTITY, register_map
@@ -101,33 +101,33 @@ def test_frames_among_other_packets(stalls: Stalls) -> None:
     beats: list[int] = []
     for image in IMAGES:
         beats += packet(CONTROL_PACKET) + video_packet(image) + packet([4, 1, 2, 3])
-    run(beats, [marked(image) for image in IMAGES], stalls)
+    run(beats, [framed(image) for image in IMAGES], stalls)
 
 
 def test_only_the_low_four_bits_tell_the_type() -> None:
-    run(video_packet(IMAGES[0], 0xA0) + video_packet(IMAGES[1], 0x01), [marked(IMAGES[0])])
+    run(video_packet(IMAGES[0], 0xA0) + video_packet(IMAGES[1], 0x01), [framed(IMAGES[0])])
 
 
 def test_one_pixel_per_clock() -> None:
     beats = [beat for image in IMAGES for beat in video_packet(image)]
-    clocks = run(beats, [marked(image) for image in IMAGES]).input_clocks["video"]
+    clocks = run(beats, [framed(image) for image in IMAGES]).input_clocks["video"]
     assert clocks[-1] - clocks[0] + 1 == len(beats) == 4 * (WIDTH * HEIGHT + 1)
 
 
 def test_a_packet_that_is_too_short_is_cut_by_the_next() -> None:
-    short = marked(IMAGES[1])[:400]
+    short = framed(IMAGES[1])[:400]
     beats = video_packet(IMAGES[0]) + packet([0, *(pixel for pixel, _, _ in short)]) + video_packet(IMAGES[2])
-    run(beats, [marked(IMAGES[0]), short, marked(IMAGES[2])])
+    run(beats, [framed(IMAGES[0]), short, framed(IMAGES[2])])
 
 
 def test_a_packet_that_is_too_long_loses_its_surplus() -> None:
     beats = packet([0, *IMAGES[0].ravel().tolist(), *[9] * 50]) + video_packet(IMAGES[2])
-    run(beats, [marked(IMAGES[0]), [(9, False, False)] * 50, marked(IMAGES[2])])
+    run(beats, [framed(IMAGES[0]), [(9, False, False)] * 50, framed(IMAGES[2])])
 
 
 def test_pixels_between_packets_are_dropped() -> None:
     stray = [7, 8, 9]
-    run(stray + video_packet(IMAGES[0]) + stray + video_packet(IMAGES[1]), [marked(i) for i in IMAGES[:2]])
+    run(stray + video_packet(IMAGES[0]) + stray + video_packet(IMAGES[1]), [framed(i) for i in IMAGES[:2]])
 
 
 def test_registers() -> None:

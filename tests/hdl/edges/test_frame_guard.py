@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from golden import Settings
-from golden.video import Event, VideoModel, VideoSettings, marked
+from golden.video import Event, VideoModel, VideoSettings, framed
 from hdl.build import Build
 from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard
 from tests.hdl.edges.bench import counted, put, simulate
@@ -87,8 +87,8 @@ ONLY_GUARD = Event(sum(GUARD_EVENTS))
 def test_pixels_and_events(fault: Any) -> None:
     random = np.random.default_rng(7)
     for _ in range(3):
-        bad = fault(marked(IMAGE), WIDTH, random)
-        beats = [*marked(255 - IMAGE), *bad, *marked(IMAGE // 2)]
+        bad = fault(framed(IMAGE), WIDTH, random)
+        beats = [*framed(255 - IMAGE), *bad, *framed(IMAGE // 2)]
         run = Run(beats)
         pixels, model = expected(beats)
         assert [pixel for pixel, _, _ in run.pixels] == pixels
@@ -97,19 +97,19 @@ def test_pixels_and_events(fault: Any) -> None:
 
 
 def test_frames_come_out_marked_as_they_should_be() -> None:
-    beats = [(pixel, sof, False) for pixel, sof, _ in marked(IMAGE)] * 2
+    beats = [(pixel, sof, False) for pixel, sof, _ in framed(IMAGE)] * 2
     run = Run(beats, ignore_eol=True)
-    assert run.pixels == [(p, int(s), int(e)) for p, s, e in marked(IMAGE)] * 2
+    assert run.pixels == [(p, int(s), int(e)) for p, s, e in framed(IMAGE)] * 2
     assert run.done == 2 and not run.seen
 
 
 def test_disabled_it_takes_and_drops_everything() -> None:
-    run = Run(marked(IMAGE) + [(0, False, False)] * 400, enable=False)
+    run = Run(framed(IMAGE) + [(0, False, False)] * 400, enable=False)
     assert run.pixels == [] and not run.seen
 
 
 def test_a_cut_waits_for_its_answer() -> None:
-    beats = marked(IMAGE)[:50] + marked(IMAGE)
+    beats = framed(IMAGE)[:50] + framed(IMAGE)
     for wait in (1, 2, 20):
         run = Run(beats, resume_after=wait)
         assert run.cuts == 1 and run.seen == {"sof_early": 1} and len(run.pixels) == 50 + IMAGE.size
@@ -123,7 +123,7 @@ def test_restart_takes_nothing_more_until_it_is_resumed() -> None:
         context.set(dut.height, HEIGHT)
         context.set(dut.enable, 1)
         context.set(dut.o.ready, 1)
-        for pixel, sof, eol in marked(IMAGE)[:40]:
+        for pixel, sof, eol in framed(IMAGE)[:40]:
             await put(context, dut.i, {"pixel": pixel, "sof": sof, "eol": eol})
         context.set(dut.restart, 1)
         context.set(dut.i.valid, 1)
@@ -151,7 +151,7 @@ def test_a_frame_keeps_its_size() -> None:
         context.set(dut.enable, 1)
         context.set(dut.o.ready, 1)
         await context.tick()
-        for number, (pixel, sof, eol) in enumerate(marked(IMAGE)):
+        for number, (pixel, sof, eol) in enumerate(framed(IMAGE)):
             await put(context, dut.i, {"pixel": pixel, "sof": sof, "eol": eol})
             context.set(dut.width, 20)
             context.set(dut.height, 18)

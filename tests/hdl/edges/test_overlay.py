@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""The pixels passed on: the same, each in its place, and marked where the golden model finds a
+"""The pixels passed on: the same, each in its place, and flagged where the golden model finds a
 corner.
 """
 
@@ -14,7 +14,7 @@ from golden import Parameters, Settings
 from golden.formats import MARGIN, SUPPORT
 from golden.preprocessing import Image
 from golden.thresholds import thresholds
-from golden.video import VideoSettings, marked
+from golden.video import VideoSettings, framed
 from hdl.build import Build
 from hdl.edges.overlay import Overlay
 from sim import Stalls, Stimulus
@@ -37,7 +37,7 @@ builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys(
 
 
 def video_settings(parameters: Parameters, width: int, height: int, sigma2: float) -> VideoSettings:
-    # a constant reference: what is marked depends on the frame alone
+    # a constant reference: what is flagged depends on the frame alone
     settings = Settings.default(
         parameters, sigma1=0.02, sigma2=sigma2, reference="constant", max_corners=4 * parameters.budget
     )
@@ -52,7 +52,7 @@ def beats_of(image: Image, parameters: Parameters, settings: Settings) -> list[t
         corners &= corners.cumsum() <= settings.max_corners
     return [
         (pixel, int(corner), int(sof), int(eol))
-        for (pixel, sof, eol), corner in zip(marked(image), corners, strict=True)
+        for (pixel, sof, eol), corner in zip(framed(image), corners, strict=True)
     ]
 
 
@@ -74,12 +74,12 @@ def test_pixels_and_corners(parameters: Parameters, stalls: Stalls) -> None:
         video = video_settings(parameters, image.shape[1], image.shape[0], sigma2)
         changes.append((start, levels(video, parameters)))
         beats = beats_of(image, parameters, video.settings)
-        # a mark that waits for its pixel is the row's first, and must say that there is a corner
+        # a flag that waits for its pixel is the row's first, and must say that there is a corner
         edges += sum(corner for _, corner, _, _ in beats[MARGIN :: image.shape[1]])
         expected += beats
         start += image.size
     assert edges and sum(corner for _, corner, _, _ in expected) > (5 if parameters.budget else 20)
-    words = payloads([beat for image in images for beat in marked(image)], parameters)
+    words = payloads([beat for image in images for beat in framed(image)], parameters)
     capture = runner.run(Stimulus({"video": words}, changes, stalls), quiet=20 * MAX_WIDTH)
     assert shown(capture.outputs["overlay"]) == expected
     assert len(packets(capture)) == len(images)
@@ -91,7 +91,7 @@ def test_full_rate_at_the_built_maximum(parameters: Parameters) -> None:
     runner = engine("compiled", PlainVideoDetector, parameters)
     images = [photograph(name)[:MAX_HEIGHT, :MAX_WIDTH] for name in ("camera", "brick", "grass")]
     video = video_settings(parameters, MAX_WIDTH, MAX_HEIGHT, lenient(parameters))
-    words = payloads([beat for image in images for beat in marked(image)], parameters)
+    words = payloads([beat for image in images for beat in framed(image)], parameters)
     capture = runner.run(Stimulus({"video": words}, [(0, levels(video, parameters))]), quiet=20 * MAX_WIDTH)
     clocks = capture.input_clocks["video"]
     assert clocks[-1] - clocks[0] + 1 == len(clocks)
@@ -114,7 +114,7 @@ def test_malformed_video_comes_out_cut_and_then_exact(parameters: Parameters, st
     seen = [tuple(got[a:b]) for a, b in pairwise(starts)]
     # every well-formed frame but one that was cut by a faulty beginning of the next comes out whole
     whole = [tuple(beats_of(image, parameters, video.settings)) for image, _ in frames.frames]
-    sent = [frame == marked(image) for image, frame in frames.frames]
+    sent = [frame == framed(image) for image, frame in frames.frames]
     assert all(frame in seen for frame, well in zip(whole[:-1], sent[:-1], strict=True) if well)
     # and of the others a beginning, with no pixel of another frame in it
     assert all(len(part) <= width * height for part in seen)

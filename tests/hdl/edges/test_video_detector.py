@@ -13,7 +13,7 @@ import pytest
 
 from golden import Parameters, Settings
 from golden.preprocessing import Image
-from golden.video import VideoModel, VideoSettings, marked
+from golden.video import VideoModel, VideoSettings, framed
 from hdl.build import Build
 from hdl.edges.video_detector import VideoDetector
 from sim import Capture, Stalls, Stimulus
@@ -92,7 +92,7 @@ def test_full_rate_and_latency(parameters: Parameters) -> None:
     dut = VideoDetector(parameters)
     for width, height in ((15, 15), (MAX_WIDTH, MAX_HEIGHT), (33, 17)):
         blank = np.zeros((height, width), np.uint8)
-        parts = [(marked(blank), video_settings(parameters, blank))] * 4
+        parts = [(framed(blank), video_settings(parameters, blank))] * 4
         capture, _ = run(runner, parameters, parts, Stalls())
         clocks = capture.input_clocks["video"]
         assert clocks.tolist() == list(range(clocks[0], clocks[0] + len(clocks)))
@@ -108,7 +108,7 @@ def test_photographs_at_full_rate(parameters: Parameters) -> None:
         photograph(name)[100 : 100 + MAX_HEIGHT, 100 : 100 + MAX_WIDTH]
         for name in ("camera", "brick", "coins")
     ]
-    parts = [(marked(crop), video_settings(parameters, crop)) for crop in crops]
+    parts = [(framed(crop), video_settings(parameters, crop)) for crop in crops]
     capture, _ = run(runner, parameters, parts, Stalls())
     clocks = capture.input_clocks["video"]
     assert clocks[-1] - clocks[0] + 1 == len(clocks) == 3 * MAX_WIDTH * MAX_HEIGHT
@@ -124,7 +124,7 @@ def test_sizes_and_settings_change_from_frame_to_frame(parameters: Parameters, s
     for number in range(40):
         width, height = int(random.integers(15, MAX_WIDTH + 1)), int(random.integers(15, MAX_HEIGHT + 1))
         image = random.integers(0, 256, (height, width), dtype=np.uint8)
-        beats, video = marked(image), video_settings(parameters, image)
+        beats, video = framed(image), video_settings(parameters, image)
         if parameters.budget:
             budget = {"target_corners": int(random.choice([0, 2, 9])), "max_corners": number % 7}
             budget |= {"reference_rank": number % 5, "smoothing": number % 4}
@@ -147,7 +147,7 @@ def test_a_frame_cut_right_after_a_whole_one(pixels: int) -> None:
         parameters = BUILDS[name]
         runner = engine("compiled", PlainVideoDetector, parameters)
         images = [photograph("grass")[k : k + 30, 10:45] for k in (0, 40, 80)]
-        whole, cut, after = (marked(image) for image in images)
+        whole, cut, after = (framed(image) for image in images)
         video = video_settings(parameters, images[0])
         run(runner, parameters, [(whole + cut[:pixels] + after, video)], Stalls(0, 0.5, pixels))
 
@@ -157,5 +157,5 @@ def test_a_stalled_output_stalls_the_input_and_loses_nothing() -> None:
     for parameters in BUILDS.values():
         runner = engine("compiled", PlainVideoDetector, parameters)
         images = [photograph("text")[k : k + 15, 60:75] for k in range(60)]
-        parts = [(marked(image), video_settings(parameters, image)) for image in images]
+        parts = [(framed(image), video_settings(parameters, image)) for image in images]
         run(runner, parameters, parts, Stalls(0, 0.99, 6))
