@@ -84,8 +84,8 @@ EDGE_MUTATIONS = {
     ),
     "the golden model drops what follows an early start of frame": (
         "golden/video.py",
-        "packets.append(self._cut())\n",
-        "return [self._cut()]\n",
+        "packets.append(self._cut(self._now))\n",
+        "return [self._cut(self._now)]\n",
         "tests/golden/test_video.py",
     ),
 }
