@@ -15,6 +15,8 @@ import warnings
 from types import FrameType
 from typing import NoReturn
 
+from cornerstream.rooms import ShadowedError, check_rooms
+
 
 def main() -> NoReturn:
     """Run the command line; the process ends with one line at most, and one of its exit codes."""
@@ -25,6 +27,7 @@ def main() -> NoReturn:
     _mend_standard_streams()
     code: int | str | None = 0
     try:
+        check_rooms()
         from cornerstream.cli import main as command
 
         command(prog_name="cornerstream")
@@ -59,6 +62,9 @@ def _exit_code(error: BaseException) -> int | str | None:
         return error.code
     if isinstance(error, KeyboardInterrupt):
         return 128 + signal.SIGINT
+    if isinstance(error, ShadowedError):
+        print(f"Error: {error}", file=sys.stderr)
+        return 2
     if os.environ.get("CORNERSTREAM_TRACEBACK"):
         traceback.print_exception(error)
     else:
