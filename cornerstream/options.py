@@ -11,6 +11,8 @@ import click
 from cornerstream import console
 from cornerstream.errors import BadInput, bad_input
 from cornerstream.idle import Idle, refuse_idle
+from flow.device import Device, Tool
+from flow.devices import DEFAULT_DEVICE, find_device
 from flow.verilog import MODULE
 from golden import PROFILES, Parameters, Settings
 from golden.algorithm import (
@@ -210,6 +212,24 @@ def interface_option(default: Interface) -> Callable[[Command], Command]:
         default=default,
         show_default=True,
         help="AXI4-Stream and AXI4-Lite, Avalon-ST and Avalon-MM, or the bare detector's stream.",
+    )
+
+
+def device_option(*tools: Tool) -> Callable[[Command], Command]:
+    """``--device``, which gives a :class:`flow.device.Device` that one of the tools knows."""
+
+    def found(context: click.Context, option: click.Parameter, text: str) -> Device:
+        with bad_input():
+            return find_device(text, tools)
+
+    return click.option(
+        "--device",
+        default=DEFAULT_DEVICE,
+        show_default=True,
+        metavar="NAME",
+        callback=found,
+        help="Device: its name or part number, such as ep4ce22 or EP4CE115F29C7; a name that does not exist "
+        "lists all.",
     )
 
 
