@@ -52,7 +52,7 @@ _BEHIND = {
     "area": ("flow/cyclone4/**/*", "flow/*.py"),
     "timing": (
         "flow/ecp5/timing.py",
-        "flow/cyclone4/netlist.py",
+        "flow/netlist.py",
         "flow/rules.py",
         "flow/yowasp.py",
         "flow/ecp5/*",

@@ -1,52 +1,23 @@
-"""A mapped netlist as Yosys writes it in JSON: reading and changing it, and counting what it takes."""
+"""A netlist of Cyclone IV's cells: their tables, and what a netlist takes of the device."""
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from itertools import product
-from typing import Any
 
+from flow import netlist
 from flow.cyclone4.area import Area, Block
+from flow.netlist import Bit, Json
 
 LUT, FLIP_FLOP, MEMORY = "cycloneiv_lcell_comb", "dffeas", "altsyncram"
 PRIMITIVES = (LUT, FLIP_FLOP, MEMORY)
 
-Json = dict[str, Any]
-Bit = int | str
-"""A net by number, or a constant as text: "0", "1" or "x"."""
 Values = dict[int, int]
 """Values of nets."""
 
 
-class Cell:
-    """One cell of a module; changes go through to the JSON."""
-
-    def __init__(self, name: str, json: Json) -> None:
-        self.name = name
-        self.json = json
-        self.kind: str = json["type"]
-
-    def pins(self) -> Iterator[tuple[str, Bit, bool]]:
-        """Port, what it is connected to and whether that is an output, bit by bit."""
-        for port, bits in self.json["connections"].items():
-            for bit in bits:
-                yield port, bit, self.json["port_directions"][port] == "output"
-
-    def bits(self, port: str) -> list[Bit]:
-        return self.json["connections"].get(port, [])
-
-    def __getitem__(self, port: str) -> Bit:
-        """What a port of one bit is connected to; "x" for nothing."""
-        bits = self.bits(port)
-        return bits[0] if bits else "x"
-
-    def __setitem__(self, port: str, bit: Bit) -> None:
-        self.json["connections"][port] = [bit]
-
-    def parameter(self, name: str) -> str:
-        return self.json["parameters"][name].rstrip()
+class Cell(netlist.Cell):
+    """One cell of a module; the members below are those of a table."""
 
     @property
     def mask(self) -> int:
@@ -75,60 +46,17 @@ class Cell:
         return self.mask >> (a | b << 1 | c << 2 | d << 3) & 1
 
 
-class Module:
-    """A module and its connections: who drives a net, and who reads it."""
+class Module(netlist.Module[Cell]):
+    """A module of such cells."""
 
     def __init__(self, json: Json) -> None:
-        self.json = json
-        self.cells = {name: Cell(name, cell) for name, cell in json["cells"].items()}
-        self.index()
-
-    def index(self) -> None:
-        """Look at all connections."""
-        self.driver: dict[int, tuple[Cell, str]] = {}
-        self.readers: dict[int, list[tuple[Cell | None, str]]] = defaultdict(list)
-        for name, port in self.json["ports"].items():
-            if port["direction"] == "output":
-                for bit in port["bits"]:
-                    if isinstance(bit, int):
-                        self.readers[bit].append((None, name))
-        for cell in self.cells.values():
-            self._connect(cell)
-        named = (bit for net in self.json["netnames"].values() for bit in net["bits"])
-        self._nets = max((bit for bit in named if isinstance(bit, int)), default=1)
-
-    def _connect(self, cell: Cell) -> None:
-        for port, bit, output in cell.pins():
-            if isinstance(bit, int):
-                if output:
-                    self.driver[bit] = (cell, port)
-                else:
-                    self.readers[bit].append((cell, port))
-
-    def _disconnect(self, cell: Cell) -> None:
-        for port, bit, output in cell.pins():
-            if isinstance(bit, int):
-                if output:
-                    del self.driver[bit]
-                else:
-                    self.readers[bit].remove((cell, port))
-
-    @contextmanager
-    def changing(self, cell: Cell) -> Iterator[None]:
-        """Around changes to what a cell is connected to."""
-        self._disconnect(cell)
-        yield
-        self._connect(cell)
-
-    def remove(self, cell: Cell) -> None:
-        self._disconnect(cell)
-        del self.cells[cell.name], self.json["cells"][cell.name]
+        super().__init__(json, Cell)
 
     def drop_unused(self) -> None:
         """Remove tables that nobody reads."""
         idle = self.of_kind(LUT)
         while idle:
-            idle = [cell for cell in idle if cell.name in self.cells and not self._is_read(cell)]
+            idle = [cell for cell in idle if cell.name in self.cells and not self._is_in_use(cell)]
             before = {self.driver[net][0].name for cell in idle for net in cell.nets if net in self.driver}
             before |= {
                 self.driver[net][0].name
@@ -141,11 +69,8 @@ class Module:
                 self.cells[name] for name in before if name in self.cells and self.cells[name].kind == LUT
             ]
 
-    def _is_read(self, cell: Cell) -> bool:
-        return any(self.readers[bit] for _, bit, output in cell.pins() if output and isinstance(bit, int))
-
-    def of_kind(self, kind: str) -> list[Cell]:
-        return [cell for cell in self.cells.values() if cell.kind == kind]
+    def _is_in_use(self, cell: Cell) -> bool:
+        return any(self.is_read(bit) for _, bit, output in cell.pins() if output)
 
     def table_behind(self, bit: Bit) -> Cell | None:
         """The table in normal mode, without carries, that drives a net."""
@@ -155,21 +80,11 @@ class Module:
         return cell if cell.kind == LUT and not cell.reads_carry and not self.makes_carry(cell) else None
 
     def makes_carry(self, cell: Cell) -> bool:
-        carry = cell["cout"]
-        return isinstance(carry, int) and bool(self.readers[carry])
-
-    def only_reader(self, bit: Bit) -> tuple[Cell, str] | None:
-        """The one cell and port that reads a net, if it is only one, and no port of the module."""
-        readers = self.readers[bit] if isinstance(bit, int) else []
-        if len(readers) != 1 or readers[0][0] is None:
-            return None
-        return readers[0][0], readers[0][1]
+        return self.is_read(cell["cout"])
 
     def add_table(self, nets: list[int], function: Callable[[Values], int]) -> int:
         """A new table in normal mode; returns the net that it drives."""
-        self._nets += 1
-        output = self._nets
-        name = f"$table${output}"
+        output = self.new_net()
         data: list[Bit] = [*nets, *["1"] * (4 - len(nets))]
         json: Json = {
             "hide_name": 1,
@@ -185,11 +100,7 @@ class Module:
                 "combout": [output],
             },
         }
-        cell = Cell(name, json)
-        cell.set_mask(mask_of(nets, function))
-        self.json["cells"][name] = json
-        self.cells[name] = cell
-        self._connect(cell)
+        self.add(f"$table${output}", json).set_mask(mask_of(nets, function))
         return output
 
 
@@ -222,12 +133,12 @@ def own_area(json: Json) -> Area:
     )
 
 
-def area_tree(netlist: Json, top: str, memory_bits: dict[str, int], multipliers: dict[str, int]) -> Block:
+def area_tree(design: Json, top: str, memory_bits: dict[str, int], multipliers: dict[str, int]) -> Block:
     """Area of the top module and of each instance below it.
 
     ``memory_bits`` and ``multipliers`` are by module: the mapped cells do not tell them.
     """
-    modules = netlist["modules"]
+    modules = design["modules"]
 
     def block(name: str, kind: str) -> Block:
         cells = {instance: cell["type"] for instance, cell in modules[kind]["cells"].items()}

@@ -22,7 +22,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from flow.cyclone4.netlist import LUT, Bit, Json
+from flow.cyclone4.netlist import LUT
+from flow.netlist import Bit, Json
 
 CHAIN_DATA, LAST_DATA, PLAIN_DATA = 2, 3, 4
 """Data inputs of a cell whose carry out is read, of one that only has a carry in, and of one with

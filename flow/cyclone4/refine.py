@@ -15,8 +15,9 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import dataclass
 
-from flow.cyclone4.netlist import FLIP_FLOP, LUT, MEMORY, Bit, Cell, Json, Module, Values, assignments
+from flow.cyclone4.netlist import FLIP_FLOP, LUT, MEMORY, Cell, Module, Values, assignments
 from flow.cyclone4.packing import pack
+from flow.netlist import Bit, Json
 
 LEAST_TOGETHER = 4
 """Flip-flops with a clear or load in common that are worth one of a LAB's control signals."""

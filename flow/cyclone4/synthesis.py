@@ -13,8 +13,9 @@ from amaranth.back import rtlil
 from amaranth.lib import wiring
 
 from flow.cyclone4.area import Area, Block
-from flow.cyclone4.netlist import PRIMITIVES, Json, area_tree, own_area
+from flow.cyclone4.netlist import PRIMITIVES, area_tree, own_area
 from flow.cyclone4.refine import refine
+from flow.netlist import Json
 from flow.rules import write_rules
 from flow.verilog import MODULE
 from flow.yowasp import run_yosys

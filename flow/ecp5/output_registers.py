@@ -7,14 +7,14 @@ this register.
 
 from __future__ import annotations
 
-from flow.cyclone4.netlist import Bit, Cell, Module
+from flow.netlist import Bit, Cell, Module
 
 BLOCK_RAM, FLIP_FLOP = "DP16KD", "TRELLIS_FF"
 PORTS = ("A", "B")
 WIDTH = 18
 
 
-def use_output_registers(module: Module) -> int:
+def use_output_registers(module: Module[Cell]) -> int:
     """Move flip-flops that take what a port reads into it, all of a port or none; returns how many
     have moved.
 
@@ -24,8 +24,8 @@ def use_output_registers(module: Module) -> int:
     return sum(_move(module, ram, port) for ram in module.of_kind(BLOCK_RAM) for port in PORTS)
 
 
-def _move(module: Module, ram: Cell, port: str) -> int:
-    outputs = [name for name in (f"DO{port}{k}" for k in range(WIDTH)) if _is_read(module, ram[name])]
+def _move(module: Module[Cell], ram: Cell, port: str) -> int:
+    outputs = [name for name in (f"DO{port}{k}" for k in range(WIDTH)) if module.is_read(ram[name])]
     registers = [_register_behind(module, ram, port, name) for name in outputs]
     found = [register for register in registers if register is not None]
     enables = {_enable(register) for register in found}
@@ -41,11 +41,7 @@ def _move(module: Module, ram: Cell, port: str) -> int:
     return len(found)
 
 
-def _is_read(module: Module, bit: Bit) -> bool:
-    return isinstance(bit, int) and bool(module.readers[bit])
-
-
-def _register_behind(module: Module, ram: Cell, port: str, output: str) -> Cell | None:
+def _register_behind(module: Module[Cell], ram: Cell, port: str, output: str) -> Cell | None:
     """The flip-flop that alone reads an output, if it can move."""
     reader = module.only_reader(ram[output])
     if reader is None or reader[0].kind != FLIP_FLOP or reader[1] != "DI":

@@ -15,9 +15,9 @@ from typing import Any
 
 from amaranth.back import rtlil
 
-from flow.cyclone4.netlist import Module
 from flow.ecp5 import RULES, SCRIPT, relaxed
 from flow.ecp5.output_registers import use_output_registers
+from flow.netlist import Cell, Module
 from flow.rules import write_rules
 from flow.verilog import MODULE
 from flow.yowasp import ToolError, run, run_yosys
@@ -107,7 +107,7 @@ def place_and_route(
         write_rules("ecp5", RULES, folder)
         run_yosys(SCRIPT.format(top=MODULE), folder)
         netlist = json.loads((folder / "mapped.json").read_text(encoding="utf-8"))
-        use_output_registers(Module(netlist["modules"][MODULE]))
+        use_output_registers(Module(netlist["modules"][MODULE], Cell))
         (folder / "registered.json").write_text(json.dumps(netlist), encoding="utf-8")
         arguments = [
             *("--45k", "--package", PACKAGE, "--speed", str(speed), "--json", "registered.json"),

@@ -14,9 +14,9 @@ from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
-from flow.cyclone4.netlist import Cell, Module
 from flow.ecp5 import RULES, SCRIPT, relaxed
 from flow.ecp5.output_registers import BLOCK_RAM, FLIP_FLOP, use_output_registers
+from flow.netlist import Cell, Module
 from flow.rules import write_rules
 from flow.yowasp import run_yosys
 
@@ -77,14 +77,14 @@ class Row(wiring.Component):
         return m
 
 
-def mapped(component: wiring.Component, folder: Path) -> Module:
+def mapped(component: wiring.Component, folder: Path) -> Module[Cell]:
     write_rules("ecp5", RULES, folder)
     (folder / "design.il").write_text(relaxed(rtlil.convert(component, name="row", emit_src=False)))
     run_yosys(SCRIPT.format(top="row"), folder)
-    return Module(json.loads((folder / "mapped.json").read_text())["modules"]["row"])
+    return Module(json.loads((folder / "mapped.json").read_text())["modules"]["row"], Cell)
 
 
-def blocks(module: Module) -> list[Cell]:
+def blocks(module: Module[Cell]) -> list[Cell]:
     return module.of_kind(BLOCK_RAM)
 
 
@@ -112,7 +112,7 @@ def test_a_register_behind_a_row_moves_into_its_blocks(tmp_path: Path, kind: str
         assert "REGMODE_A" not in block.json["parameters"]
         assert {block["OCEB"]} == enables
     # the connections that the module knows are those of its JSON
-    again = Module(module.json)
+    again = Module(module.json, Cell)
     assert again.driver.keys() == module.driver.keys()
 
 
