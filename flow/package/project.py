@@ -88,6 +88,11 @@ def registers_page(parameters: Build) -> str:
     return render(_TEMPLATES, "registers.md", _facts(parameters, MODULE))
 
 
+def c_header(parameters: Build, name: str = MODULE) -> str:
+    """Registers and records for C, the same whatever the edges are."""
+    return render(_TEMPLATES, "cornerstream.h", _facts(parameters, name))
+
+
 def _facts(parameters: Build, name: str) -> dict[str, Any]:
     return {
         **facts(parameters),

@@ -10,7 +10,9 @@ from flow.package import driver
 from flow.verilog import MODULE
 from golden.version import VERSION
 from hdl.build import Build
-from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS, RESET_BIT, Field, Register, register_map
+from hdl.edges.register import ADDRESS_BITS, DATA_BITS, Field, Register
+from hdl.edges.register_map import RESET_BIT, register_map
+from hdl.edges.register_texts import frame_results, reported_response, sigma2_role
 
 _SVD_SCHEMA = "http://www.w3.org/2001/XMLSchema-instance"
 _SVD_ACCESS = {"ro": "read-only", "rw": "read-write", "w1c": "read-write"}
@@ -141,4 +143,11 @@ def _texts(element: ElementTree.Element, **children: Any) -> None:
 
 def facts(parameters: Build) -> dict[str, Any]:
     """What templates want to know of the map."""
-    return {"registers": register_map(parameters), "address_bits": ADDRESS_BITS, "is_command": is_command}
+    return {
+        "registers": register_map(parameters),
+        "address_bits": ADDRESS_BITS,
+        "is_command": is_command,
+        "frame_results": frame_results(parameters),
+        "reported_response": reported_response(parameters),
+        "sigma2_role": sigma2_role(parameters),
+    }

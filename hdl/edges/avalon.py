@@ -15,7 +15,7 @@ from amaranth.lib.wiring import In, Out
 from golden.output_constructor import RECORD_BITS
 from hdl.build import Build
 from hdl.edges.core import Core
-from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS
+from hdl.edges.register import ADDRESS_BITS, DATA_BITS
 
 VIDEO_PACKET = 0
 """Low four bits of the first beat of a packet that holds a frame's pixels; all other packets are

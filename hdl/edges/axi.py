@@ -15,8 +15,8 @@ from amaranth.lib.wiring import In, Out
 from golden.output_constructor import RECORD_BITS
 from hdl.build import Build
 from hdl.edges.core import Core
+from hdl.edges.register import ADDRESS_BITS, DATA_BITS
 from hdl.edges.register_bank import register_bus
-from hdl.edges.register_map import ADDRESS_BITS, DATA_BITS
 
 OKAY, SLVERR = 0b00, 0b10
 LITE = {

@@ -16,15 +16,8 @@ from hdl.adaptation import adapted_layout
 from hdl.build import Build
 from hdl.edges.frame_guard import events_layout
 from hdl.edges.packet_constructor import results_layout
-from hdl.edges.register_map import (
-    ADDRESS_BITS,
-    DATA_BITS,
-    RESET_BIT,
-    TIMEOUT_BITS,
-    Field,
-    Register,
-    register_map,
-)
+from hdl.edges.register import ADDRESS_BITS, DATA_BITS, Field, Register
+from hdl.edges.register_map import RESET_BIT, TIMEOUT_BITS, register_map
 from hdl.edges.video_detector import CLOCK_BITS, control_layout, initial_control
 
 OWN_EVENTS = (Event.SIZE_CHANGED, Event.SIZE_REFUSED)

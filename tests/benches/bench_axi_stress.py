@@ -144,7 +144,7 @@ async def stress(dut: Dut) -> None:
         )
         most = int(random_.choice([NO_LIMIT, NO_LIMIT, NO_LIMIT, 0, 3]))
         await bench.configure(VideoSettings(width, height, settings, max_records=most))
-        registers = ("ID", "VERSION", "CAPABILITY", "MAX_SIZE", "CONTROL", "SIZE", "SIGMA1", "SIGMA2")
+        registers = ("ID", "VERSION", "CAPABILITY", "SIZE_MAX", "CONTROL", "SIZE", "SIGMA1", "SIGMA2")
         constant = {bench.map[name].address: await bench.read(name) for name in registers}
         video = frames(bench, random_, FRAMES // PARTS)
         tried += video.tried

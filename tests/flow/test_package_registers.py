@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -12,12 +14,15 @@ import numpy as np
 import pytest
 from cmsis_svd import SVDParser
 
-from flow.package import driver_map, registers_page
+from flow.package import c_header, driver_map, registers_page
 from flow.package.driver import Map, Registers
 from flow.package.registers import driver_source, is_command, svd
 from golden import Parameters
+from golden.algorithm import Algorithm
 from hdl.build import Build
-from hdl.edges.register_map import ADDRESS_BITS, register_map
+from hdl.edges.capability import OPTIONS
+from hdl.edges.register import ADDRESS_BITS
+from hdl.edges.register_map import register_map
 
 PARAMETERS = Build()
 BUILDS = [
@@ -231,16 +236,49 @@ def test_the_page_names_every_bit() -> None:
             assert len(rows) == 1 and rows[0].endswith(f" | {field.text} |")
 
 
+@pytest.mark.parametrize("parameters", BUILDS)
+def test_header_page_and_svd_say_the_same(parameters: Build) -> None:
+    """Every text of the map is in each of them, whole; what SVD has to escape is not in any."""
+    whole = re.compile(r'["A-Z0-9].*\.')
+    places = {
+        "header": ("/* {} */", c_header(parameters)),
+        "page": ("| {} |", registers_page(parameters)),
+        "svd": ("<description>{}</description>", svd(parameters)),
+    }
+    for register in register_map(parameters):
+        for text in (register.text, *(field.text for field in register.fields)):
+            assert whole.fullmatch(text) and not text.startswith("Of "), text
+            for place, (pattern, emitted) in places.items():
+                said = f"{register.access}: {text}" if (place, text) == ("header", register.text) else text
+                assert pattern.format(said) in emitted, (place, register.name)
+
+
+def test_the_limits_of_records_are_said_alike() -> None:
+    """Two texts name them; a build with a budget has two limits."""
+    for budget, limits in ((False, "MAX_RECORDS"), (True, "MAX_RECORDS or BUDGET.max_corners")):
+        registers = {each.name: each for each in register_map(Build(budget=budget))}
+        (status,) = (each for each in registers["STATUS"].fields if each.name == "records_dropped")
+        assert f" {limits} " in status.text and f" {limits}." in registers["DROPPED"].fields[0].text
+
+
+def test_every_option_of_the_algorithm_is_in_capability() -> None:
+    """What decides records can be read from a core, if not by a bit then by a number."""
+    said = {option for _, _, option, _, _ in OPTIONS}
+    assert said | {"suppression"} >= {field.name for field in fields(Algorithm)}
+    assert said <= set(Build().as_dict())
+
+
 def test_options_are_in_the_map_where_they_are_built_and_nowhere_else() -> None:
-    plain, built = (
-        driver_map(p).registers for p in (PARAMETERS, Build.profile("paper", budget=True, suppression=3))
-    )
+    paper = Build.profile("paper")
+    plain, built = (driver_map(p).registers for p in (paper, paper.changed(budget=True, suppression=3)))
     assert set(built) - set(plain) == {"BUDGET", "ADAPTED", "REFERENCE"}
-    names = set(built["CAPABILITY"].fields) - set(plain["CAPABILITY"].fields)
-    assert names == {"budget", "suppression"}
-    fields = built["CAPABILITY"].fields
-    capability = built["CAPABILITY"].reset
-    assert capability >> fields["suppression"].low & 7 == 3 and capability >> fields["budget"].low & 1
+    # CAPABILITY has the same fields everywhere; they tell which options are built
+    known = built["CAPABILITY"].fields
+    assert known == plain["CAPABILITY"].fields
+    for registers, suppression, budget in ((plain, 0, 0), (built, 3, 1)):
+        capability = registers["CAPABILITY"].reset
+        assert capability >> known["suppression"].low & 7 == suppression
+        assert capability >> known["budget"].low & 1 == budget
     # another radius is another detector, a budget that is off is not
     profiles = [
         driver_map(p).registers["CAPABILITY"].reset >> 16 & 15

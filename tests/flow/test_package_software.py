@@ -54,7 +54,7 @@ static void fake_write(void *base, unsigned offset, uint32_t word)
     if (offset == CORNERSTREAM_STATUS)
         *at &= ~word;
     else if (offset == CORNERSTREAM_SIZE && CORNERSTREAM_GET(SIZE_WIDTH, word) > CORNERSTREAM_GET(
-             MAX_SIZE_MAX_WIDTH, words[CORNERSTREAM_MAX_SIZE / 4]))
+             SIZE_MAX_MAX_WIDTH, words[CORNERSTREAM_SIZE_MAX / 4]))
         words[CORNERSTREAM_STATUS / 4] |= CORNERSTREAM_STATUS_SIZE_REFUSED_MASK;
     else
         *at = word;
@@ -66,7 +66,7 @@ int main(int count, char **arguments)
     size_t read = fread(packet, sizeof packet[0], 4096, stdin);
     words[CORNERSTREAM_ID / 4] = CORNERSTREAM_ID_AFTER_RESET;
     words[CORNERSTREAM_STATUS / 4] = CORNERSTREAM_STATUS_FRAME_CUT_MASK;
-    words[CORNERSTREAM_MAX_SIZE / 4] = (uint32_t)strtoul(arguments[1], NULL, 0);
+    words[CORNERSTREAM_SIZE_MAX / 4] = (uint32_t)strtoul(arguments[1], NULL, 0);
     if (count > 2)
         words[0] = 0;
     return cornerstream_example(words, packet, read) ? 1 : 0;

@@ -9,8 +9,9 @@ import pytest
 from golden import Parameters, Settings
 from golden.video import Event
 from hdl.build import Build
+from hdl.edges.register import ADDRESS_BITS, Register
 from hdl.edges.register_bank import RegisterBank
-from hdl.edges.register_map import ADDRESS_BITS, IDENTITY, Register, register_map
+from hdl.edges.register_map import IDENTITY, register_map
 from tests.hdl.edges.bench import simulate
 
 BUILDS = {
@@ -64,8 +65,8 @@ def test_texts_say_what_was_built() -> None:
     assert "local level" not in paper["SIGMA1"].text
     for built, limits in ((paper, "MAX_RECORDS"), (robust, "MAX_RECORDS or BUDGET.max_corners")):
         (dropped,) = (field for field in built["STATUS"].fields if field.name == "records_dropped")
-        assert f"more corners than {limits}:" in dropped.text
-        assert built["DROPPED"].fields[0].text.endswith(f"beyond {limits}.")
+        assert f"more corners than {limits} allows:" in dropped.text
+        assert built["DROPPED"].fields[0].text == f"They are beyond {limits}."
 
 
 def test_every_event_has_its_bit_in_status() -> None:
@@ -80,7 +81,7 @@ def test_capability() -> None:
     assert known["odd"] == 1 | 10 << 4 | 0b001100 << 8
     assert registers(BUILDS["odd"])["CONTROL"].reset == 1 and registers()["CONTROL"].reset == 0
     assert registers()["ID"].reset == IDENTITY == 0x434F524E
-    assert registers(BUILDS["robust"])["MAX_SIZE"].reset == 640 | 480 << 16
+    assert registers(BUILDS["robust"])["SIZE_MAX"].reset == 640 | 480 << 16
 
 
 class Bus:

@@ -1,0 +1,54 @@
+"""The register CAPABILITY: what was built. An option is one line of its table."""
+
+from __future__ import annotations
+
+from golden.algorithm import PROFILES
+from hdl.build import Build
+from hdl.edges.register import Field, Register
+
+OPTIONS = (
+    (8, "signed_gradients", "gradient", "signed", "Gradients keep their signs."),
+    (9, "ties_first", "ties", "first", "The first of two equal neighbours is a corner."),
+    (10, "fit_six", "fit", "six", "The subpixel fit goes through six samples."),
+    (11, "patches_pixels", "patches", "pixels", "The texture filter compares pixels, not regions."),
+    (12, "lean", "buffering", "lean", "The buffers are lean ones, not banked ones."),
+    (13, "video_out", "video_out", True, "The pixels are passed on."),
+    (20, "sobel", "derivative", "sobel", "Gradients are smoothed across."),
+    (21, "response_filter", "response_filter", "binomial", "Responses are smoothed."),
+    (
+        22,
+        "adaptive_threshold",
+        "texture",
+        "mean",
+        "An adaptive threshold takes the place of the texture filter.",
+    ),
+    (31, "budget", "budget", True, "The registers BUDGET, REFERENCE and ADAPTED exist."),
+)
+"""Bit and name in the register; field of ``Build`` or ``Algorithm``, and its value for which the
+bit is set; text.
+"""
+
+
+def capability(build: Build) -> Register:
+    """The register of a core that is built so. Its fields are the same in all builds."""
+    values = build.as_dict()
+    suppression = build.algorithm.suppression
+    profiles = {algorithm: number for number, algorithm in enumerate(PROFILES.values(), 1)}
+    named = ", ".join(f"{number} {name}" for number, name in enumerate(PROFILES, 1))
+    fields = (
+        Field("pixels_per_clock", 0, 4, "Pixels per clock.", 1),
+        Field("pixel_bits", 4, 4, "Width of a pixel.", build.pixel_bits),
+        Field("profile", 16, 4, f"The algorithm: {named}, 0 any other.", profiles.get(build.algorithm, 0)),
+        Field(
+            "suppression",
+            28,
+            3,
+            "Radius of the non-maximum suppression; 0 stands for 1.",
+            suppression if suppression > 1 else 0,
+        ),
+        *(
+            Field(name, bit, 1, text, int(values[option] == value))
+            for bit, name, option, value, text in OPTIONS
+        ),
+    )
+    return Register("CAPABILITY", 0x08, "ro", "What was built.", tuple(sorted(fields, key=lambda f: f.low)))
