@@ -16,7 +16,6 @@ from hdl.edges.video_detector import VideoDetector
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "reference" / "edges.md").read_text(encoding="utf-8")
-README = (ROOT / "README.md").read_text(encoding="utf-8")
 BENCH = (ROOT / "tests" / "benches" / "bench_axi_malformed.py").read_text(encoding="utf-8")
 
 
@@ -69,9 +68,3 @@ def test_ports(interface: Interface, title: str) -> None:
         told |= dict(zip(all_names, (int(width) for width in bits.split(", ")), strict=True))
     lite = {name for name in ports if name.startswith("s_axil_")}
     assert told == {name: width for name, width in ports.items() if name not in lite}
-
-
-def test_the_readme_names_the_axi_ports() -> None:
-    ports = make_core(Build.profile("paper", video_out=True), "axi").signature.members
-    for name in ports:
-        assert any(str(name).startswith(told) for told in re.findall(r"`([a-z_]+?)\*?`", README)), name

@@ -1,4 +1,3 @@
-# amaranth: UnusedElaboratable=no
 """What the README states as fact is recomputed here."""
 
 from __future__ import annotations
@@ -7,160 +6,65 @@ import json
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
-from amaranth.hdl import Shape, Value
-from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from cornerstream.cli import main
+from evaluation.comparison import paper_tables
 from evaluation.comparison.page import FIGURES_NAME
 from golden import Settings, detect
-from golden.frame import Frame, response_map
-from golden.subpixel import derivatives, fit_nine
+from golden.algorithm import DEFAULT_PROFILE
 from hdl.build import Build
-from hdl.detector import Detector
-from hdl.identifiers import plain_port
-from hdl.parts.circular_buffer import CircularBuffer
-from hdl.subpixel import Subpixel
-from hdl.thresholds import settings_layout
-from tests.support.photographs import PHOTOGRAPHS, photograph
+from hdl.edges import make_core
+from tests.support.photographs import photograph
 from tests.support.runner import CliRunner
 
 ROOT = Path(__file__).parents[1]
-DOCS = ROOT / "docs"
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-def rows(first_cell: str) -> list[str]:
-    """Cells, without markup, of the one table row that begins with this cell."""
-    matches = [line for line in README.splitlines() if line.startswith(f"| {first_cell} |")]
-    assert len(matches) == 1, f"{len(matches)} rows begin with {first_cell}"
-    return [cell.strip(" *`") for cell in matches[0].strip("|").split("|")]
+def row(first_cell: str) -> list[str]:
+    """Cells of the one table row that begins with this cell, without it."""
+    (line,) = (line for line in README.splitlines() if line.startswith(f"| {first_cell} |"))
+    return [cell.strip() for cell in line.strip("|").split("|")][1:]
 
 
-@pytest.mark.parametrize(("buffering", "column"), [("banked", -2), ("lean", -1)])
-def test_latency_table(buffering: str, column: int) -> None:
-    detector = Detector(Build.profile("paper", buffering=buffering))
-    for name, block in detector.blocks.items():
-        assert rows(name)[column] == str(block.latency)
-    total = rows("**end of frame**")[column]
-    fixed, per_width = (45, 2) if buffering == "banked" else (48, 0)
-    assert total == (f"{fixed} + {per_width}·width" if per_width else str(fixed))
-    for width in (15, 100, 1920):
-        assert detector.frame_latency(width) == fixed + per_width * width
-
-
-def test_memory_bits() -> None:
-    def bits(buffering: str) -> int:
-        blocks = Detector(Build.profile("paper", buffering=buffering)).blocks.values()
-        return sum(block.memory_bits for block in blocks if isinstance(block, CircularBuffer))
-
-    lean, banked = bits("lean"), bits("banked")
-    assert f"{lean:,} instead of {banked:,} bits" in README
-    assert f"{round(100 * lean / banked)} % of the memory" in README
-
-
-def test_port_table() -> None:
-    detector = Detector(Build.profile("paper"))
-    widths = {name: len(Value.cast(getattr(detector, name))) for name in ("width", "height")}
-    widths |= {
-        str(name): Shape.cast(field.shape).width for name, field in settings_layout(Build.profile("paper"))
-    }
-    told = {}
-    text = (DOCS / "reference" / "edges.md").read_text(encoding="utf-8")
-    for line in re.findall(r"^\| (`.*` \| \d+) \|", text, re.MULTILINE):
-        names, bits = line.split(" | ")
-        told |= {name: int(bits) for name in re.findall(r"`(\w+)`", names)}
-    assert {name: told[plain_port(name)] for name in widths} == widths
-
-
-@pytest.mark.parametrize("buffering", ["lean", "banked"])
-def test_synthesis_figures(buffering: str) -> None:
-    """Of the paper's size, as committed with the comparison page."""
-    wanted = {"profile": "paper", "buffering": buffering, "width": 1200, "height": 720}
-    builds = json.loads((DOCS / "results" / FIGURES_NAME).read_text(encoding="utf-8"))["builds"]
+@pytest.mark.parametrize(
+    ("profile", "buffering"), [("paper", "lean"), ("paper", "banked"), ("robust", "lean")]
+)
+def test_synthesis_figures(profile: str, buffering: str) -> None:
+    """Area and clock of the paper's size are those that are committed with the comparison page."""
+    wanted = {"profile": profile, "buffering": buffering, "width": 1200, "height": 720}
+    path = ROOT / "docs" / "results" / FIGURES_NAME
+    builds = json.loads(path.read_text(encoding="utf-8"))["builds"]
     (build,) = (each for each in builds if wanted.items() <= each.items())
-    place = ["lean", "banked"].index(buffering)
-    area = re.search(
-        r"takes ([\d,]+) logic\s+elements .* with `lean` buffers and ([\d,]+) with `banked`", README
-    )
-    speed = re.search(r"clock reaches\s+([\d.]+) and ([\d.]+) MHz", README)
-    assert area and speed
-    assert area.groups()[place] == f"{build['le_packed']:,}"
-    where = (DOCS / "explanation" / "area.md").read_text(encoding="utf-8")
-    for figure in (build["le_packed"], build["memory_bits"]):
-        assert f"{figure:,}" in where
-    assert f"{build['fmax_mhz']:.1f}" in where
-    assert speed.groups()[place] == f"{build['fmax_mhz']:.1f}"
+    assert row(f"profile `{profile}`, `{buffering}` buffers") == [
+        f"{build['le_packed']:,}",
+        f"{build['memory_bits']:,}",
+        f"{build['fmax_mhz']:.1f}",
+    ]
 
 
-def test_refinement() -> None:
-    subpixel = Subpixel(Build.profile("paper"))
-    assert f"one at a time, {subpixel.interval} clocks each" in README
-    assert f"leaves it {subpixel.latency} clocks later" in README
-    assert f"{Build.profile('paper').queue_depth} can wait" in README
+def test_figures_of_the_paper() -> None:
+    demand = {resource.name: resource.demand for resource in paper_tables.TABLE_1}
+    assert row("the paper") == [
+        f"{demand['Total logic elements']:,}",
+        f"{demand['Total memory bits']:,}",
+        f"{paper_tables.CLOCK_MHZ} as run",
+    ]
+    assert demand["Embedded multiplier elements"] == 0
 
 
-def test_no_photograph_is_denser_than_stated() -> None:
-    stated = re.search(r"Photographs stay below every (\d+)th", README)
-    assert stated
-    everything = Settings(sigma1=0, floor=1, sigma2=15, report_rejected=True)
-    most = max(len(detect(image, settings=everything)) / image.size for image in map(photograph, PHOTOGRAPHS))
-    assert int(1 / most) >= int(stated[1])
-
-
-def bright_square(degrees: float) -> NDArray[np.uint8]:
-    """A square of 80 pixels on darker ground, 8x8 samples to the pixel, a third of a pixel off
-    centre.
-    """
-    size, samples, centre = 200, 8, 100.3
-    y, x = (np.mgrid[: size * samples, : size * samples] + 0.5) / samples - 0.5
-    turn = np.deg2rad(degrees)
-    along = (x - centre) * np.cos(turn) + (y - centre) * np.sin(turn)
-    across = (y - centre) * np.cos(turn) - (x - centre) * np.sin(turn)
-    inside = (np.abs(along) < 40) & (np.abs(across) < 40)
-    return (60 + 120 * inside.reshape(size, samples, size, samples).mean((1, 3))).astype(np.uint8)
-
-
-@pytest.mark.parametrize("name", ["paper", "robust"])
-def test_responses_of_a_turned_square(name: str) -> None:
-    angles = [int(cell.strip("°")) for cell in rows("square turned by")[1:]]
-    largest = [int(response_map(bright_square(angle), Build.profile(name)).max()) for angle in angles]
-    assert rows(f"`{name}`")[1:] == [str(value) for value in largest]
+def test_default_profile() -> None:
+    assert f"`{DEFAULT_PROFILE}` is the default profile" in README
 
 
 def test_corner_counts_of_the_example() -> None:
-    camera = photograph("camera")
-    found = detect(camera, settings=Settings(report_rejected=True))
-    accepted, rejected = int(found.accepted.sum()), int((~found.accepted).sum())
-    assert re.search(rf"│ 512x512 │ 262,144 │ +1\.000 │ +{accepted} │ +{rejected} │ +0 │", README)
-
-
-def test_full_scale_is_not_what_photographs_reach() -> None:
-    parameters = Build.profile("paper")
-    largest = [response_map(image, parameters).max() for image in map(photograph, PHOTOGRAPHS)]
-    least, most = (100 * limit / parameters.response_max for limit in (min(largest), max(largest)))
-    assert f"ten photographs is {least:.1f} % to {most:.0f} % of it" in README
-
-
-def test_offsets_without_bounds() -> None:
-    """Solved in floating point, and not clamped."""
-    far = []
-    for name in ("camera", "grass", "gravel"):
-        frame = Frame(photograph(name), Build.profile("paper"), Settings())
-        rows, columns = np.nonzero(frame.maxima(int(frame.responses.max()) // 20))
-        around = sliding_window_view(frame.peaks, (3, 3))[rows, columns]
-        xx, yy, xy, x, y = (np.float64(value) for value in derivatives(fit_nine(around)))
-        usable = (xx >= 0) & (xx * yy > xy * xy)
-        across, down = ((a * p + xy * q)[usable] for a, p, q in ((yy, x, y), (xx, y, x)))
-        far.append((np.maximum(abs(across), abs(down)) / (xx * yy - xy * xy)[usable]).max())
-    assert "land {:.0f}, {:.0f} or {:.0f} pixels away".format(*far) in README
-
-
-def test_sigma2_as_the_paper_has_it() -> None:
-    strict = Settings(sigma1=0.1, sigma2=0.1, report_rejected=True)
-    assert not detect(photograph("camera"), settings=strict).accepted.any()
+    """Both frames of the photograph: the first has a constant reference."""
+    for number, reference in enumerate(("constant", "previous")):
+        found = detect(photograph("camera"), settings=Settings(reference=reference, report_rejected=True))
+        accepted, rejected = int(found.accepted.sum()), int((~found.accepted).sum())
+        line = rf"│ +{number} │ 512x512 │ 262,144 │ +1\.000 │ +{accepted} │ +{rejected} │ +0 │"
+        assert re.search(line, README), line
 
 
 def test_python_example_runs() -> None:
@@ -169,7 +73,16 @@ def test_python_example_runs() -> None:
     exec(compile(example[1], "README.md", "exec"), {})
 
 
-def test_commands_exist() -> None:
-    for command in re.findall(r"^\| `cornerstream (\w+)", README, re.MULTILINE):
-        result = CliRunner().invoke(main, [command, "--help"])
+def test_commands_are_told_with_examples() -> None:
+    """The table has every command that there is, and each shows examples."""
+    told = re.findall(r"^\| `cornerstream ([a-z]+(?: [a-z]+)?)", README, re.MULTILINE)
+    for command in told:
+        result = CliRunner().invoke(main, [*command.split(), "--help"])
         assert result.exit_code == 0 and "Examples" in result.output
+    assert {command.split()[0] for command in told} == set(main.commands)
+
+
+def test_the_axi_ports_are_told() -> None:
+    ports = make_core(Build.profile("paper", video_out=True), "axi").signature.members
+    for name in ports:
+        assert any(str(name).startswith(told) for told in re.findall(r"`([a-z_]+?)\*?`", README)), name

@@ -1,0 +1,35 @@
+"""How mkdocstrings reads this project's docstrings.
+
+Their section *Members* lists the ports of a hardware block, as in Amaranth's library. Griffe, which
+reads docstrings, knows this section only under the name *Attributes*. Cross-references such as
+``:class:`name``` become plain code.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from griffe import DocstringSectionKind, Extension, Object
+
+_MEMBERS = re.compile(r"^Members\n-+$", re.MULTILINE)
+_ROLE = re.compile(r":(?:class|data|func|meth|mod):`~?([^`]+)`")
+
+
+class Docstrings(Extension):
+    """Prepares each docstring before it is parsed."""
+
+    def on_object(self, *, obj: Object, **_: Any) -> None:
+        docstring = obj.docstring
+        if docstring is None:
+            return
+        docstring.value = _ROLE.sub(r"`\1`", docstring.value)
+        if not _MEMBERS.search(docstring.value):
+            return
+        docstring.value = _MEMBERS.sub("Attributes\n----------", docstring.value)
+        sections = docstring.parse("numpy", warn_missing_types=False)
+        for section in sections:
+            if section.kind is DocstringSectionKind.attributes:
+                section.title = "Members:"
+        # the parsed form is a cached property: this one is kept
+        docstring.__dict__["parsed"] = sections
