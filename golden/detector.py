@@ -25,11 +25,11 @@ def pixel_dtype(parameters: Parameters) -> np.dtype[np.unsignedinteger[Any]]:
 
 
 def chosen_parameters(parameters: Parameters | None) -> Parameters:
-    """The detector that was asked for, by default the profile ``paper``; ``TypeError`` if it is
+    """The detector that was asked for, by default the profile ``robust``; ``TypeError`` if it is
     something else.
     """
     if parameters is None:
-        return Parameters.profile("paper")
+        return Parameters()
     check_type("parameters", parameters, Parameters)
     return parameters
 
@@ -84,7 +84,7 @@ def detect(
     image
         (height, width) uint8 (uint16 for more than 8 pixel bits), 15x15 up to the built maximum.
     parameters, settings
-        The detector and its thresholds; by default the profile ``paper`` and ``Settings.default``.
+        The detector and its thresholds; by default the profile ``robust`` and ``Settings.default``.
     reference
         Dref. By default the constant if the settings say so, else the image's own largest D: what
         the hardware uses from the second frame on while the scene stands still, and OpenCV's

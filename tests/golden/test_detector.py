@@ -157,7 +157,7 @@ def test_rejected_corners_come_on_request_and_change_nothing_else(camera: np.nda
 
 
 def test_corners_come_in_raster_order(camera: np.ndarray) -> None:
-    corners = detect(camera, settings=ALL)
+    corners = detect(camera, Parameters.profile("paper"), ALL)
     responses = response_map(camera, Parameters.profile("paper"))
     rows, columns = np.nonzero(
         corner_detection(responses[3:-3, 3:-3], int(corners.response.min()) - 1, "strict")

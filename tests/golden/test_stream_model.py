@@ -11,6 +11,7 @@ from golden.frame import response_map
 from tests.support.photographs import photograph
 
 EVERYTHING = Settings(report_rejected=True)
+PAPER = Parameters.profile("paper")
 
 
 @pytest.fixture
@@ -31,38 +32,40 @@ def same(one: Corners, other: Corners) -> bool:
 def test_first_frame_uses_the_constant_and_the_second_the_first_ones_maximum(
     frames: list[NDArray[np.uint8]],
 ) -> None:
-    model = StreamModel()
+    model = StreamModel(PAPER)
     settings = Settings(constant=3000, floor=10, report_rejected=True)
     previous = 3000
     for image in frames:
         result = model.process(image, settings)
         assert result.maximum == response_map(image, Parameters.profile("paper")).max()
         assert result.maximum != previous
-        assert same(result.corners, detect(image, settings=settings, reference=previous))
-        assert not same(result.corners, detect(image, settings=settings, reference=result.maximum))
+        assert same(result.corners, detect(image, PAPER, settings=settings, reference=previous))
+        assert not same(result.corners, detect(image, PAPER, settings=settings, reference=result.maximum))
         previous = result.maximum
 
 
 def test_constant_reference_ignores_the_previous_frame(frames: list[NDArray[np.uint8]]) -> None:
-    model = StreamModel()
+    model = StreamModel(PAPER)
     settings = Settings(reference="constant", constant=3000, floor=10, report_rejected=True)
     for image in frames:
-        assert same(model.process(image, settings).corners, detect(image, settings=settings, reference=3000))
+        assert same(
+            model.process(image, settings).corners, detect(image, PAPER, settings=settings, reference=3000)
+        )
 
 
 def test_maximum_is_kept_through_a_frame_with_a_constant_reference(frames: list[NDArray[np.uint8]]) -> None:
-    model = StreamModel()
+    model = StreamModel(PAPER)
     maximum = model.process(frames[0], Settings(reference="constant")).maximum
     assert same(
         model.process(frames[1], EVERYTHING).corners,
-        detect(frames[1], settings=EVERYTHING, reference=maximum),
+        detect(frames[1], PAPER, settings=EVERYTHING, reference=maximum),
     )
 
 
 def test_floor_keeps_noise_after_a_black_frame_from_being_corners() -> None:
     noise = np.random.default_rng(1).integers(0, 4, (60, 60)).astype(np.uint8)
     black = np.zeros((60, 60), np.uint8)
-    model = StreamModel()
+    model = StreamModel(PAPER)
     assert model.process(black).maximum == 0
     assert len(model.process(noise).corners) == 0
     assert model.process(black).maximum == 0
@@ -70,7 +73,7 @@ def test_floor_keeps_noise_after_a_black_frame_from_being_corners() -> None:
 
 
 def test_end_of_every_frame_says_what_was_in_it(frames: list[NDArray[np.uint8]]) -> None:
-    model = StreamModel()
+    model = StreamModel(PAPER)
     for number, image in enumerate([*frames, np.zeros((15, 15), np.uint8)]):
         result = model.process(image)
         assert result.records.dtype == np.uint64
@@ -84,7 +87,7 @@ def test_end_of_every_frame_says_what_was_in_it(frames: list[NDArray[np.uint8]])
 
 
 def test_reset_forgets_everything(frames: list[NDArray[np.uint8]]) -> None:
-    model = StreamModel()
+    model = StreamModel(PAPER)
     first = [model.process(image).records for image in frames]
     unreset = model.process(frames[0]).records
     assert not np.array_equal(unreset, first[0])
@@ -94,7 +97,7 @@ def test_reset_forgets_everything(frames: list[NDArray[np.uint8]]) -> None:
 
 
 def test_refused_frame_leaves_no_trace(frames: list[NDArray[np.uint8]]) -> None:
-    model, undisturbed = StreamModel(), StreamModel()
+    model, undisturbed = StreamModel(PAPER), StreamModel(PAPER)
     model.process(frames[0])
     undisturbed.process(frames[0])
     with pytest.raises(ValueError, match="image is 14x15; allowed: 15x15 to 1920x1080"):
@@ -106,7 +109,7 @@ def test_refused_frame_leaves_no_trace(frames: list[NDArray[np.uint8]]) -> None:
 
 def test_frame_never_changes_the_next_but_through_its_maximum(frames: list[NDArray[np.uint8]]) -> None:
     image = frames[0]
-    one, other = StreamModel(), StreamModel()
+    one, other = StreamModel(PAPER), StreamModel(PAPER)
     maximum = one.process(image).maximum
     assert other.process(image[::-1, ::-1]).maximum == maximum  # another frame of the same maximum
     assert np.array_equal(one.process(frames[1]).records, other.process(frames[1]).records)
