@@ -1,10 +1,9 @@
-"""The folders depend on each other in one direction only, and no file grows too long to be read in
-one sitting.
-"""
+"""Imports point downwards and make no circle, and no file grows too long to be read in one sitting."""
 
 from __future__ import annotations
 
 import ast
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -37,6 +36,34 @@ def imported(path: Path) -> set[str]:
 def test_imports_point_downwards(path: Path) -> None:
     folder = path.relative_to(ROOT).parts[0]
     assert imported(path) & set(BELOW) <= BELOW[folder] | {folder}
+
+
+def module_name(path: Path) -> str:
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imported_modules(path: Path, modules: set[str]) -> set[str]:
+    """Modules of the project that a file imports, anywhere in it; a package stands for its own file."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names |= {
+                inner if (inner := f"{node.module}.{alias.name}") in modules else node.module
+                for alias in node.names
+            }
+    return names & modules
+
+
+def test_imports_make_no_circle() -> None:
+    modules = {module_name(path) for path in FILES}
+    graph = {module_name(path): imported_modules(path, modules) - {module_name(path)} for path in FILES}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        pytest.fail(" -> ".join(error.args[1]))
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
