@@ -35,20 +35,10 @@ class Surface(NamedTuple):
     l4: Int64
 
 
-MANTISSA_BITS = 10
-"""Bits of a surface's curvatures and slopes, beside their sign, that go into the products of Eq.
-13.
-"""
-STEP_MANTISSA_BITS = 12
-"""Those of the gradient step, whose two equations are closer to each other where an edge is much
-the stronger.
-"""
-
-
 @dataclass(frozen=True)
 class Offset:
-    """Corner relative to the centre pixel: dx, dy in 1/128 pixel within ±:func:`offset_limit`, and
-    what became of it.
+    """Corner relative to the centre pixel: dx, dy in 1/128 pixel within ±:attr:`SubpixelFit.limit`,
+    and what became of it.
 
     clamped: it lies the limit away or more, along x or y. not_maximum: the surface has no peak, or
     all gradients are parallel.
@@ -106,52 +96,92 @@ def fit_printed(s: IntArray) -> Surface:
     return Surface(*(samples @ weights[k] for k in range(5)))
 
 
-FITS: dict[Fit, Callable[[IntArray], Surface]] = {
-    "nine": fit_nine,
-    "six": fit_six,
-    "printed": fit_printed,
-}
-
-
-def offset_limit(fit: Fit) -> int:
-    """Largest offset along an axis, in 1/128 pixel.
-
-    A surface through 3x3 responses means nothing beyond half a pixel. A corner of the gradient step
-    may lie anywhere in its window and, where it is at its edge, a little outside.
-    """
-    return 4 << OFFSET_BITS if fit == "gradient" else HALF
-
-
-def mantissa_bits(fit: Fit) -> int:
-    """Bits of the five values, beside their sign, that go into the products of Eq. 13."""
-    return STEP_MANTISSA_BITS if fit == "gradient" else MANTISSA_BITS
-
-
-def derivative_bits(parameters: Parameters) -> int:
-    """Width of the largest derivative that the fit can give, without its sign."""
-    if parameters.algorithm.fit == "gradient":
-        return normal_equations.largest(parameters).bit_length()
-    # each is a weighted sum of the samples: it is largest where only those with weights of one sign
-    # are not zero
-    units = np.eye(9, dtype=np.int64).reshape(9, 3, 3)
-    weights = np.stack(derivatives(FITS[parameters.algorithm.fit](units)))
-    largest = np.maximum(np.maximum(weights, 0).sum(-1), np.maximum(-weights, 0).sum(-1)).max()
-    return (int(largest) * parameters.response_max).bit_length()
-
-
 def derivatives(surface: Surface) -> Derivatives[Int64]:
     """Derivatives at the centre pixel, in units of the surface's scale."""
     return Derivatives(-2 * surface.l0, -2 * surface.l1, surface.l2, surface.l3, surface.l4)
 
 
-def mantissas(values: Derivatives[Int64], bits: int, kept: int = MANTISSA_BITS) -> Derivatives[Int64]:
-    """The five values as block floating point: ``kept`` bits and a sign each, all with one
+@dataclass(frozen=True)
+class SubpixelFit:
+    """One way to refine a corner.
+
+    Parameters
+    ----------
+    derivatives
+        The five values, out of (..., 3, 3) responses and (..., 9, 9) pixels around each corner; the
+        pixels are needed where ``by_pixels`` says so, and else ignored.
+    largest
+        The largest size of one of the five values in a detector with these parameters.
+    limit
+        Largest offset along an axis, in 1/128 pixel, a power of two.
+    mantissa_bits
+        Bits of the five values, beside their sign, that go into the products of Eq. 13.
+    by_pixels
+        It goes by the pixels, not by the responses.
+    printed
+        Eq. 13 with its misprint, and without asking for a maximum; see :func:`peak`.
+    """
+
+    derivatives: Callable[[IntArray, Image | None], Derivatives[Int64]]
+    largest: Callable[[Parameters], int]
+    limit: int
+    mantissa_bits: int
+    by_pixels: bool = False
+    printed: bool = False
+
+
+def _by_surface(fit: Callable[[IntArray], Surface], printed: bool = False) -> SubpixelFit:
+    """A surface means nothing beyond half a pixel."""
+    # each value is a weighted sum of the samples: it is largest where only those with weights of
+    # one sign are not zero
+    units = np.eye(9, dtype=np.int64).reshape(9, 3, 3)
+    weights = np.stack(derivatives(fit(units)))
+    gain = int(np.maximum(np.maximum(weights, 0).sum(-1), np.maximum(-weights, 0).sum(-1)).max())
+    return SubpixelFit(
+        derivatives=lambda responses, pixels: derivatives(fit(responses)),
+        largest=lambda parameters: gain * parameters.response_max,
+        limit=HALF,
+        mantissa_bits=10,
+        printed=printed,
+    )
+
+
+def _by_gradients(responses: IntArray, pixels: Image | None) -> Derivatives[Int64]:
+    if pixels is None:
+        raise ValueError('fit is "gradient", which needs pixels; allowed: (..., 9, 9) around each corner')
+    return normal_equations.normal_equations(pixels)
+
+
+FITS: dict[Fit, SubpixelFit] = {
+    "nine": _by_surface(fit_nine),
+    "six": _by_surface(fit_six),
+    "printed": _by_surface(fit_printed, printed=True),
+    "gradient": SubpixelFit(
+        derivatives=_by_gradients,
+        largest=normal_equations.largest,
+        # a corner may lie anywhere in the window and, where it is at its edge, a little outside
+        limit=4 << OFFSET_BITS,
+        # the two equations are close to each other where one edge is much the stronger
+        mantissa_bits=12,
+        by_pixels=True,
+    ),
+}
+"""All that depends on ``Algorithm.fit``."""
+
+
+def derivative_bits(parameters: Parameters) -> int:
+    """Width of the largest derivative that the fit can give, without its sign."""
+    return FITS[parameters.algorithm.fit].largest(parameters).bit_length()
+
+
+def mantissas(values: Derivatives[Int64], bits: int, mantissa_bits: int) -> Derivatives[Int64]:
+    """The five values as block floating point: ``mantissa_bits`` and a sign each, all with one
     exponent.
 
     The peak depends on ratios only. So all are shifted up until the largest, of ``bits`` bits at
     most, is at the top, or until nothing would be lost, and cut (rounded down).
     """
-    low = max(bits - kept, 0)
+    low = max(bits - mantissa_bits, 0)
     largest = np.maximum.reduce([np.where(value < 0, ~value, value) for value in values])
     shift = np.minimum(bits - bit_length(largest), low)
     return Derivatives(*((value << shift) >> low for value in values))
@@ -163,28 +193,22 @@ def bit_length(values: Int64) -> Int64:
 
 
 def peak(
-    values: Derivatives[Int64],
-    bits: int,
-    *,
-    printed: bool = False,
-    limit: int = HALF,
-    kept: int = MANTISSA_BITS,
+    values: Derivatives[Int64], bits: int, mantissa_bits: int, limit: int, *, printed: bool = False
 ) -> Offset:
-    """Stationary point of the surface (Eq. 13), kept only where it is a maximum, and within
-    ``limit``.
+    """Stationary point of the surface (Eq. 13) where that is a maximum, clamped to ``limit``.
 
         dx = (2 L1 L3 - L2 L4) / (L2² - 4 L0 L1) = (yy·x + xy·y) / (xx·yy - xy²)
         dy = (2 L0 L4 - L2 L3) / (L2² - 4 L0 L1) = (xx·y + xy·x) / (xx·yy - xy²)
 
     Where a curvature or the denominator has the wrong sign the offset is (0, 0); beyond the limit,
     in 1/128 pixel, it is clamped, each axis for itself. ``bits`` is the width of the largest value
-    (:func:`derivative_bits`), ``kept`` that of the factors (:func:`mantissa_bits`).
+    (:func:`derivative_bits`), ``mantissa_bits`` that of the factors.
 
-    ``printed`` keeps the misprint 2 L1 L2 in the first numerator, and, as the paper, does not ask
-    for a maximum: Eqs. 11 and 12 turn nearly every corner into a surface without one. It is clamped
+    ``printed`` leaves the misprint 2 L1 L2 in the first numerator and, as the paper, does not
+    ask for a maximum: Eqs. 11 and 12 turn nearly every corner into a surface without one. It is clamped
     all the same.
     """
-    xx, yy, xy, x, y = mantissas(values, bits, kept)
+    xx, yy, xy, x, y = mantissas(values, bits, mantissa_bits)
     denominator = xx * yy - xy * xy
     usable = denominator != 0 if printed else (xx >= 0) & (denominator > 0)
     divisor = np.where(usable, np.abs(denominator), 1)
@@ -198,23 +222,21 @@ def peak(
     return Offset(dx, dy, beyond_x | beyond_y, ~usable)
 
 
-def subpixel(patches: IntArray, parameters: Parameters, pixels: Image | None = None) -> Offset:
-    """Offset of the corners around which (..., 3, 3) responses are given, by the fit of
-    ``parameters``.
+def subpixel(responses: IntArray, parameters: Parameters, pixels: Image | None = None) -> Offset:
+    """Offset of corners, by the fit of ``parameters``.
 
-    ``pixels``, (..., 9, 9) around the same places, are what ``fit="gradient"`` goes by, and only
-    that.
+    Parameters
+    ----------
+    responses
+        (..., 3, 3) around each corner; of these a surface is fitted.
+    pixels
+        (..., 9, 9) around each corner; ``fit="gradient"`` goes by these, and only that.
+
+    Raises
+    ------
+    ValueError
+        There are no pixels where they are needed.
     """
-    if parameters.algorithm.fit == "gradient":
-        if pixels is None:
-            raise ValueError('fit is "gradient", which needs pixels; allowed: (..., 9, 9) around each corner')
-        values = normal_equations.normal_equations(pixels)
-    else:
-        values = derivatives(FITS[parameters.algorithm.fit](patches))
-    return peak(
-        values,
-        derivative_bits(parameters),
-        printed=parameters.algorithm.fit == "printed",
-        limit=offset_limit(parameters.algorithm.fit),
-        kept=mantissa_bits(parameters.algorithm.fit),
-    )
+    fit = FITS[parameters.algorithm.fit]
+    values = fit.derivatives(responses, pixels)
+    return peak(values, derivative_bits(parameters), fit.mantissa_bits, fit.limit, printed=fit.printed)

@@ -16,17 +16,17 @@ from golden.algorithm import Fit
 from golden.derivatives import Derivatives
 from golden.divider import quotient_bits
 from golden.parameters import Parameters
-from golden.subpixel import derivative_bits, mantissa_bits, offset_limit
+from golden.subpixel import FITS, derivative_bits
 from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.divider import Divider
 from hdl.parts.arithmetic import add_with_carry, magnitude
 
 
 def offset_layout(fit: Fit = "nine") -> data.StructLayout:
-    """Offset in 1/128 pixel, at most ``golden.subpixel.offset_limit(fit)`` either way, and what
+    """Offset in 1/128 pixel, at most the fit's limit either way, and what
     became of the fit.
     """
-    offset = signed(quotient_bits(offset_limit(fit)))
+    offset = signed(quotient_bits(FITS[fit].limit))
     return data.StructLayout({"dx": offset, "dy": offset, "clamped": 1, "not_maximum": 1})
 
 
@@ -43,7 +43,7 @@ class Subpixel(wiring.Component):
     parameters
         Of the detector; ``fit`` matters, and what its formats come from.
     kept
-        Bits of a mantissa; by default those of ``golden.subpixel.mantissa_bits``.
+        Bits of a mantissa; by default those of ``golden.subpixel.FITS``.
 
     Members
     -------
@@ -57,11 +57,11 @@ class Subpixel(wiring.Component):
         layout = derivatives_layout(parameters)
         self._fit = parameters.algorithm.fit
         self._formats = FORMATS[parameters.algorithm.fit]
-        self._mantissa_bits = mantissa_bits(parameters.algorithm.fit) if kept is None else kept
+        self._mantissa_bits = FITS[parameters.algorithm.fit].mantissa_bits if kept is None else kept
         self._shifts = max(derivative_bits(parameters) - self._mantissa_bits, 0)
         # sums of two products, each below 2**(2·mantissa bits)
         self._sum_bits = 2 * self._mantissa_bits + 1
-        self._quotient_bits = quotient_bits(offset_limit(parameters.algorithm.fit))
+        self._quotient_bits = quotient_bits(FITS[parameters.algorithm.fit].limit)
         self._dividers = {axis: Divider(self._sum_bits, self._quotient_bits) for axis in "xy"}
         super().__init__(
             {

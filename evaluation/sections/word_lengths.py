@@ -30,7 +30,7 @@ from golden.frame import Frame, response_map
 from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.preprocessing import IntArray, gradients, products
 from golden.response import response
-from golden.subpixel import derivative_bits, mantissa_bits, offset_limit, peak
+from golden.subpixel import FITS, derivative_bits, peak
 from golden.thresholds import thresholds
 from hdl.build import Build
 from hdl.parts.circular_buffer import CircularBuffer
@@ -246,21 +246,21 @@ def _places(corners: Corners) -> set[tuple[float, float]]:
 def _mantissa(
     parameters: Parameters, images: Sequence[NamedImage], widths: Sequence[int]
 ) -> Iterator[Figures]:
-    step = parameters.changed(fit="gradient")
+    step, fit = parameters.changed(fit="gradient"), FITS["gradient"]
     windows = [_windows(image.pixels, step) for image in images]
     sums = [normal_equations(pixels) for pixels in windows]
     exact = [_solution(*(part.astype(np.float64) for part in parts)) for parts in sums]
     for kept in widths:
         errors = []
         for parts, truth in zip(sums, exact, strict=True):
-            offset = peak(parts, derivative_bits(step), limit=offset_limit("gradient"), kept=kept)
+            offset = peak(parts, derivative_bits(step), kept, fit.limit)
             given = np.stack([offset.dx, offset.dy]) / (1 << OFFSET_BITS)
-            inside = np.abs(truth).max(axis=0) < offset_limit("gradient") / (1 << OFFSET_BITS)
+            inside = np.abs(truth).max(axis=0) < fit.limit / (1 << OFFSET_BITS)
             errors.append(np.hypot(*(given - truth))[inside])
         block = Subpixel(step, kept)
         yield {
             "bits": kept,
-            "default": kept == mantissa_bits("gradient"),
+            "default": kept == fit.mantissa_bits,
             "area": _area(block),
             "clocks": block.interval,
             "error": {

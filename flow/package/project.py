@@ -18,7 +18,7 @@ from flow.verilog import MODULE, emit_verilog
 from golden import Settings
 from golden import output_constructor as record
 from golden.formats import COORDINATE_BITS, MARGIN, OFFSET_BITS, SUPPORT
-from golden.subpixel import offset_limit
+from golden.subpixel import FITS
 from golden.version import VERSION
 from hdl.build import Build
 from hdl.edges.avalon import VIDEO_PACKET
@@ -103,7 +103,7 @@ def _facts(parameters: Build, name: str) -> dict[str, Any]:
         "manifest": MANIFEST,
         "module": name,
         "named": name != MODULE,
-        "reach": f"{offset_limit(parameters.algorithm.fit) / (1 << OFFSET_BITS):g}",
+        "reach": f"{FITS[parameters.algorithm.fit].limit / (1 << OFFSET_BITS):g}",
         "p": parameters,
         "parameters": parameters.as_dict(),
         "record": {

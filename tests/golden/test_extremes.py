@@ -16,7 +16,7 @@ from golden.convolution import smooth
 from golden.frame import response_map
 from golden.preprocessing import gradients, products
 from golden.response import response
-from golden.subpixel import FITS, MANTISSA_BITS, derivative_bits, derivatives, mantissas
+from golden.subpixel import FITS, derivative_bits, mantissas
 from golden.texture_filter import texturization
 
 SIDE = 36
@@ -159,13 +159,13 @@ def test_every_number_of_the_subpixel_refinement_keeps_its_width(pixel_bits: int
     patches = [np.random.default_rng(1).integers(0, 2, (5000, 3, 3)) * parameters.response_max]
     for _, image in extremes(pixel_bits):
         patches.append(sliding_window_view(response_map(image, parameters), (3, 3)).reshape(-1, 3, 3))
-    values = derivatives(FITS[fit](np.concatenate(patches)))
+    values = FITS[fit].derivatives(np.concatenate(patches), None)
     bits = derivative_bits(parameters)
     assert max(int(np.abs(value).max()) for value in values).bit_length() == bits
-    xx, yy, xy, x, y = cut = mantissas(values, bits)
-    top = 1 << MANTISSA_BITS
+    xx, yy, xy, x, y = cut = mantissas(values, bits, 10)
+    top = 1 << 10
     # a negative one may round down to a whole power of two
     assert -top <= min(int(value.min()) for value in cut)
     assert top // 2 <= max(int(value.max()) for value in cut) < top
     for total in (xx * yy - xy * xy, yy * x + xy * y, xx * y + xy * x):
-        assert int(np.abs(total).max()) < 1 << (2 * MANTISSA_BITS + 1)
+        assert int(np.abs(total).max()) < 1 << (2 * 10 + 1)

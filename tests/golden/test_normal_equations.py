@@ -17,7 +17,7 @@ from golden.frame import response_map
 from golden.normal_equations import LARGEST, PIXEL_SIZE, largest, normal_equations
 from golden.parameters import Parameters
 from golden.settings import Settings
-from golden.subpixel import Offset, derivative_bits, offset_limit, subpixel
+from golden.subpixel import FITS, Offset, derivative_bits, subpixel
 from golden.thresholds import thresholds
 from tests.support.offsets import exact_offsets, offset_bounds
 from tests.support.photographs import PHOTOGRAPHS, photograph
@@ -129,7 +129,7 @@ def test_far_corners_are_clamped_to_four_pixels() -> None:
     """Two lines that meet eight pixels to the left."""
     lines = 100 * np.exp(-((Y - 0.4 * (X + 8)) ** 2)) + 50 * np.exp(-((Y + 0.4 * (X + 8)) ** 2))
     offset = step(np.rint(100 + lines).astype(np.uint8)[None])
-    assert offset.clamped[0] and offset.dx[0] == -offset_limit("gradient") == -512
+    assert offset.clamped[0] and offset.dx[0] == -FITS["gradient"].limit == -512
     assert abs(offset.dy[0]) < 20
 
 

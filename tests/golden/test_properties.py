@@ -19,7 +19,7 @@ from golden.frame import RESPONSE_MARGIN, Frame, response_map
 from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.output_constructor import Flag
 from golden.preprocessing import gradients, products
-from golden.subpixel import offset_limit
+from golden.subpixel import FITS
 from tests.support.offsets import bounds, offset_bounds
 from tests.support.strategies import detectors, images
 
@@ -147,7 +147,7 @@ def test_cropping_changes_nothing_further_than_seven_pixels_away(
     # two peaks may lead to one place, and be equal in all else
     assert Counter(crop_rows) <= Counter(whole_rows)
     # a corner strictly inside this rectangle is centred 7 pixels or more from every new edge
-    reach = 6 + offset_limit(parameters.algorithm.fit) / 128
+    reach = 6 + FITS[parameters.algorithm.fit].limit / 128
     expected = [
         row
         for row in whole_rows

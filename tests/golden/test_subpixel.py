@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from golden.algorithm import Fit
 from golden.corner_detection import corner_detection
+from golden.divider import HALF
 from golden.frame import response_map
 from golden.parameters import Parameters
 from golden.settings import Settings
 from golden.subpixel import (
-    MANTISSA_BITS,
+    FITS,
     Derivatives,
     Int64,
     Surface,
@@ -40,6 +41,8 @@ Y, X = np.mgrid[-1:2, -1:2]
 SIX = [0, 3, 5, 7, 2, 6]
 BITS = 26
 """Width of derivatives, where no detector says it."""
+MANTISSA_BITS = 10
+"""Those of a surface."""
 
 
 def samples(l0: int, l1: int, l2: int, l3: int, l4: int, l5: int) -> NDArray[np.int64]:
@@ -63,7 +66,7 @@ def surface(*coefficients: int) -> Derivatives[Int64]:
 def outcome(
     values: Derivatives[Int64], bits: int = BITS, printed: bool = False
 ) -> tuple[int, int, bool, bool]:
-    offset = peak(values, bits, printed=printed)
+    offset = peak(values, bits, MANTISSA_BITS, HALF, printed=printed)
     return int(offset.dx[0]), int(offset.dy[0]), bool(offset.clamped[0]), bool(offset.not_maximum[0])
 
 
@@ -204,7 +207,7 @@ def test_bit_length() -> None:
     ],
 )
 def test_mantissas_by_hand(values: tuple[int, ...], expected: tuple[int, ...]) -> None:
-    seen = mantissas(Derivatives(*(np.array([value]) for value in values)), BITS)
+    seen = mantissas(Derivatives(*(np.array([value]) for value in values)), BITS, MANTISSA_BITS)
     assert tuple(int(value[0]) for value in seen) == expected
 
 
@@ -220,7 +223,7 @@ def cut_to_ten_bits(values: tuple[int, ...]) -> list[int]:
 
 @given(Rows, st.integers(25, 36))
 def test_mantissas_equal_their_definition_whatever_the_width(rows: list[tuple[int, ...]], bits: int) -> None:
-    seen = mantissas(Derivatives(*np.array(rows).T), bits)
+    seen = mantissas(Derivatives(*np.array(rows).T), bits, MANTISSA_BITS)
     assert np.array(seen).T.tolist() == [cut_to_ten_bits(row) for row in rows]
 
 
@@ -233,7 +236,7 @@ def limited_quotient(numerator: int, denominator: int) -> tuple[int, bool]:
 
 @given(Rows, st.booleans())
 def test_peak_equals_the_exact_quotient_of_the_mantissas(rows: list[tuple[int, ...]], printed: bool) -> None:
-    offset = peak(Derivatives(*np.array(rows).T), BITS, printed=printed)
+    offset = peak(Derivatives(*np.array(rows).T), BITS, MANTISSA_BITS, HALF, printed=printed)
     for k, row in enumerate(rows):
         xx, yy, xy, x, y = cut_to_ten_bits(row)
         denominator = xx * yy - xy * xy
@@ -376,6 +379,14 @@ def test_wider_pixels_of_the_same_values_change_nothing(seed: int, fit: Fit) -> 
     offsets = [subpixel(patches, parameters) for parameters in formats]
     for field in ("dx", "dy", "clamped", "not_maximum"):
         assert all((getattr(offsets[0], field) == getattr(other, field)).all() for other in offsets[1:])
+
+
+def test_what_a_fit_implies() -> None:
+    for fit in ("nine", "six", "printed"):
+        assert (FITS[fit].mantissa_bits, FITS[fit].limit, FITS[fit].by_pixels) == (MANTISSA_BITS, 64, False)
+    step = FITS["gradient"]
+    assert (step.mantissa_bits, step.limit, step.by_pixels) == (12, 512, True)
+    assert [fit for fit, each in FITS.items() if each.printed] == ["printed"]
 
 
 @pytest.mark.parametrize("fit", ["nine", "six", "printed"])

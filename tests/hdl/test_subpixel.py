@@ -12,7 +12,7 @@ from golden.algorithm import Fit
 from golden.derivatives import Derivatives
 from golden.normal_equations import normal_equations
 from golden.subpixel import FITS as GOLDEN_FITS
-from golden.subpixel import Int64, derivative_bits, derivatives, mantissa_bits, offset_limit, peak
+from golden.subpixel import Int64, derivative_bits, peak
 from hdl.build import Build
 from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.subpixel import Subpixel, offset_layout
@@ -48,7 +48,7 @@ def check(
 ) -> Capture:
     """``patches``: (n, 3, 3)."""
     assert patches.min() >= 0 and patches.max() <= Build.profile("paper", pixel_bits=pixel_bits).response_max
-    return check_derivatives(fit, derivatives(GOLDEN_FITS[fit](patches)), name, stalls, pixel_bits)
+    return check_derivatives(fit, GOLDEN_FITS[fit].derivatives(patches, None), name, stalls, pixel_bits)
 
 
 def check_derivatives(
@@ -61,7 +61,7 @@ def check_derivatives(
     """``values`` as the golden model has them."""
     parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
     block = Subpixel(parameters)
-    offset = peak(values, derivative_bits(parameters), limit=offset_limit(fit), kept=mantissa_bits(fit))
+    offset = peak(values, derivative_bits(parameters), GOLDEN_FITS[fit].mantissa_bits, GOLDEN_FITS[fit].limit)
     fields = {
         "dx": offset.dx,
         "dy": offset.dy,

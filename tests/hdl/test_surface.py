@@ -11,7 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from golden.algorithm import Fit
 from golden.subpixel import FITS as GOLDEN_FITS
-from golden.subpixel import derivative_bits, derivatives
+from golden.subpixel import derivative_bits
 from hdl.build import Build
 from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.surface import SurfaceFit
@@ -51,7 +51,7 @@ def check(
     block = SurfaceFit(parameters)
     wide = [frame for frame in frames if frame.shape[1] >= 3]
     patches = np.concatenate([sliding_window_view(frame, (3, 3)).reshape(-1, 3, 3) for frame in wide])
-    values = derivatives(GOLDEN_FITS[fit](patches))._asdict()
+    values = GOLDEN_FITS[fit].derivatives(patches, None)._asdict()
     expected = {}
     for (field, value), form in zip(values.items(), FORMATS[fit], strict=True):
         # what the hardware leaves out is always zero
@@ -131,7 +131,7 @@ def test_each_sample(fit: Fit, name: EngineName) -> None:
 def test_layout_is_as_wide_as_needed_and_no_wider(fit: Fit, pixel_bits: int) -> None:
     parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
     patches = np.array(list(product((0, parameters.response_max), repeat=9))).reshape(-1, 3, 3)
-    values = derivatives(GOLDEN_FITS[fit](patches))
+    values = GOLDEN_FITS[fit].derivatives(patches, None)
     layout = derivatives_layout(parameters)
     for value, (_, field), form in zip(values, layout, FORMATS[fit], strict=True):
         assert field.width == int(np.abs(value >> form.zeros).max()).bit_length() + 1

@@ -19,7 +19,7 @@ from golden.derivatives import Derivatives
 from golden.formats import OFFSET_BITS
 from golden.parameters import Parameters
 from golden.preprocessing import IntArray
-from golden.subpixel import FITS, derivative_bits, derivatives, mantissa_bits, mantissas, offset_limit
+from golden.subpixel import FITS, derivative_bits, mantissas
 
 Float64 = NDArray[np.float64]
 Int64 = NDArray[np.int64]
@@ -37,12 +37,12 @@ class Peaks(NamedTuple):
 
 def exact_peaks(patches: IntArray, parameters: Parameters) -> Peaks:
     """By exact sums and float64 quotients, of (n, 3, 3) responses."""
-    return exact_offsets(derivatives(FITS[parameters.algorithm.fit](patches)), parameters)
+    return exact_offsets(FITS[parameters.algorithm.fit].derivatives(patches, None), parameters)
 
 
 def exact_offsets(values: Derivatives[Int64], parameters: Parameters) -> Peaks:
     """By float64 quotients."""
-    limit = offset_limit(parameters.algorithm.fit) / (1 << OFFSET_BITS)
+    limit = FITS[parameters.algorithm.fit].limit / (1 << OFFSET_BITS)
     x, y, maximum = _peaks(*values)
     return Peaks(np.clip(x, -limit, limit), np.clip(y, -limit, limit), maximum)
 
@@ -51,12 +51,12 @@ def bounds(patches: IntArray, parameters: Parameters) -> Float64:
     """How far the golden model's offset may be from the exact one, along either axis; inf if no
     maximum is sure.
     """
-    return offset_bounds(derivatives(FITS[parameters.algorithm.fit](patches)), parameters)
+    return offset_bounds(FITS[parameters.algorithm.fit].derivatives(patches, None), parameters)
 
 
 def offset_bounds(values: Derivatives[Int64], parameters: Parameters) -> Float64:
     """The same of the five values themselves."""
-    kept = mantissa_bits(parameters.algorithm.fit)
+    kept = FITS[parameters.algorithm.fit].mantissa_bits
     x, y, _ = _peaks(*values)
     cut = np.maximum.reduce([np.where(v < 0, ~v, v) for v in values]) >= 1 << kept
     mantissa = mantissas(values, derivative_bits(parameters), kept)

@@ -14,7 +14,7 @@ from golden import Parameters, Settings, detect
 from golden.algorithm import Fit
 from golden.formats import MARGIN
 from golden.frame import response_map
-from golden.subpixel import offset_limit
+from golden.subpixel import FITS
 from tests.support.photographs import PHOTOGRAPHS, photograph
 
 PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "limits.md").read_text(encoding="utf-8")
@@ -76,7 +76,7 @@ def test_where_soft_corners_are_better_placed_by_a_surface() -> None:
 def test_corners_of_a_surface_keep_their_distance_from_the_edges(camera: np.ndarray) -> None:
     found = detect(camera, Parameters.profile("paper"), Settings(reference="constant"))
     nearest = min(axis.min() for axis in (found.x, found.y, 511 - found.x, 511 - found.y))
-    assert nearest == MARGIN - offset_limit("nine") / 128 == 6.5
+    assert nearest == MARGIN - FITS["nine"].limit / 128 == 6.5
     assert "between 6.5 and W - 7.5 with a surface" in TEXT
 
 
@@ -87,7 +87,7 @@ def test_corners_of_the_gradient_step_may_be_nearer_than_seven_pixels(begins: in
     found = detect(image, Parameters.profile("robust"))
     off = np.hypot(found.x - begins + 0.5, found.y - begins + 0.5).min()
     assert (off < 0.1) == there
-    assert MARGIN - offset_limit("gradient") / 128 == 3
+    assert MARGIN - FITS["gradient"].limit / 128 == 3
     assert "between 3 and W - 4 with the gradient step" in TEXT
 
 
