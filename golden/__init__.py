@@ -1,5 +1,6 @@
-"""The specification of cornerstream in NumPy: one bit-exact function per block of the paper's Fig.
-9.
+"""The specification of cornerstream in NumPy: a bit-exact function for each block of Fig. 9.
+
+Programs import from ``cornerstream``, not from here.
 """
 
 from golden.algorithm import PROFILES
@@ -25,6 +26,5 @@ __all__ = [
     "decode_frame_end",
     "detect",
     "detection",
-    "profile",
     "reference_detect",
 ]

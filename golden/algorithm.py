@@ -1,6 +1,4 @@
-"""What decides which corners there are: the algorithm, apart from the sizes it is built for; and
-its profiles.
-"""
+"""The algorithm: what decides which corners there are and where, whatever the size; its profiles."""
 
 from __future__ import annotations
 
@@ -21,39 +19,41 @@ Texture = Literal["patches", "mean"]
 
 @dataclass(frozen=True, kw_only=True)
 class Algorithm:
-    """What decides the records, in the golden model and in the hardware. The defaults are the
-    profile ``paper``.
+    """What decides the records, in the golden model and in the hardware alike.
+
+    The defaults are those of the profile ``paper``.
 
     Parameters
     ----------
     gradient
-        ``"absolute"``: C = |gx|·|gy| as the paper prints it; ``"signed"``: C keeps the sign of
-        gx·gy, without which corners whose edges lie at ±45° have no response.
+        ``"absolute"``: C = |gx|·|gy|, as the paper prints it; ``"signed"``: C = gx·gy. Without the
+        sign, corners whose edges lie at ±45° have no response.
     derivative
         ``"central"``: differences of a pixel's two neighbours, as the paper has it; ``"sobel"``:
-        these smoothed across by [1 2 1] / 4 and rounded, out of the same pixels. Less noise in D,
-        and less that changes when the image moves by a part of a pixel.
+        these differences, smoothed across by [1 2 1] / 4 and rounded. They need no further pixels,
+        and D has less noise and changes less when the image moves by a part of a pixel.
     response_filter
         ``"binomial"``: corners are the peaks of S, which is D smoothed by [1 2 1]ᵀ[1 2 1] / 16, and
-        T1 and a quadratic surface refer to S. At a saddle D may have two peaks where S has one.
+        T1 and the quadratic surface refer to S. At a saddle D may have two peaks where S has one.
         ``"none"``: S = D.
     ties
-        ``"strict"``: of two equal neighbouring responses neither is a corner (Eq. 5);
-        ``"first"``: the one that comes first in raster order is.
+        ``"strict"``: neither of two equal neighbouring responses is a corner (Eq. 5); ``"first"``:
+        the one that comes first in raster order is.
     fit
-        Quadratic surface for the subpixel step: least squares over ``"nine"`` samples, the exact
-        surface through the paper's ``"six"``, or the formulas literally as ``"printed"`` (Eqs.
-        11-13; golden model only, because they cannot recover even an exact paraboloid).
-        ``"gradient"`` fits no surface: one step towards the point that the gradients of the 7x7
-        window around the candidate are orthogonal to, always with signed products; takes pixels
-        along with the responses.
+        Subpixel step. A quadratic surface: by least squares over ``"nine"`` responses, exactly
+        through the paper's ``"six"``, or by the formulas literally as ``"printed"`` (Eqs. 11-13;
+        golden model only, because they do not recover even an exact paraboloid). ``"gradient"``
+        fits no surface: it is one step to the point to which the gradients of the 7x7 window
+        around the candidate are orthogonal, always with signed products, and needs pixels beside
+        the responses.
     texture
-        Texture filter: ``"patches"``: the paper's, Eqs. 6-9; ``"mean"``: an adaptive threshold, see
+        Texture filter. ``"patches"``: the paper's, Eqs. 6-9. ``"mean"``: an adaptive threshold, see
         ``golden.adaptive_threshold``: a corner's response must be above T1 by sigma2 times the
-        local level of D. What is left of it is the response reported.
+        local level of D, and the response without that part is the one reported.
     patches
-        Fig. 5 of the texture filter: ``"regions"``: patch k is the four 3x3 regions at the corners
-        of the (2k+3)x(2k+3) square; ``"pixels"``: four single diagonal pixels at radius k.
+        Patches of the paper's texture filter (Fig. 5). ``"regions"``: patch k consists of the four
+        3x3 regions at the corners of the (2k+3)x(2k+3) square; ``"pixels"``: of four single pixels,
+        k away along the diagonals.
     suppression
         Radius r of the non-maximum suppression, 1 to 4: a corner is the largest of the
         (2r+1)x(2r+1) responses around it, so that two such peaks are at least r+1 pixels apart in x
@@ -62,7 +62,8 @@ class Algorithm:
     Raises
     ------
     ValueError
-        Names the field, its value and what is allowed.
+        A field has a value that is not allowed; the message names the field, its value and what is
+        allowed.
     """
 
     gradient: Gradient = option(
@@ -100,8 +101,8 @@ class Algorithm:
     def __post_init__(self) -> None:
         check_options(self)
         if self.response_filter == "binomial":
-            # S is known one pixel less far around a corner; a surface could not wait for more than
-            # its own 3x3 of it
+            # S is known one pixel less far around a corner than D, and a surface can wait for no
+            # more than its own 3x3 of S
             most = MAX_SUPPRESSION - 1 if self.fit == "gradient" else 1
             if self.suppression > most:
                 raise ValueError(
@@ -121,7 +122,7 @@ PROFILES: dict[str, Algorithm] = {
         texture="mean",
     ),
 }
-"""The algorithms that have a name: as the paper prints it, misprints aside; and as measurements say
-is better.
+"""The algorithms that have a name. ``paper``: as the paper prints it, except for its misprints;
+``robust``: what measurements found to be better.
 """
 DEFAULT_PROFILE = "robust"

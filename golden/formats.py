@@ -1,16 +1,17 @@
-"""Geometry and number formats that every detector has, whatever is built: written here and nowhere
-else.
-"""
+"""Geometry and number formats that every detector has: written here and nowhere else."""
 
 from __future__ import annotations
 
 SUPPORT = 15
-"""Side of the square of pixels that decides one corner: gradient 3, smoothing 5, response window 9."""
+"""Side of the square of pixels that decides one corner: gradient 3, smoothing 5, response window
+9.
+"""
 MARGIN = SUPPORT // 2
-"""Pixels at each edge of a frame in which no peak is a corner; where it is refined to may be nearer
-to the edge.
+"""Pixels at each edge of a frame at which no peak is a corner. The refined position of a corner may
+be nearer to the edge.
 """
 SMOOTHING_SIZE = 5
+"""Side of the smoothing kernel (Eq. 1)."""
 WINDOW_SIZE = 9
 """Side of the response window that the texture filter reads."""
 
@@ -21,23 +22,24 @@ COORDINATE_BITS = 20
 SIGMA_BITS = 16
 """Fractional bits of sigma1 and sigma2."""
 SIGMA2_INTEGER_BITS = 4
-"""sigma2 reaches 16: tau cannot exceed 8 times the frame's largest D, so with that as Dref 8 is
-plenty.
+"""Bits of sigma2 before the point: it reaches 16. tau cannot exceed 8 times the frame's largest D,
+so with that as Dref 8 is plenty.
 """
 MEAN_WEIGHT_BITS, MEAN_WEIGHT_FRACTION_BITS = 4, 3
-"""sigma2 where the texture filter is an adaptive threshold: eighths from 0 to 15."""
+"""sigma2 where the texture filter is an adaptive threshold: 0 to 15 eighths."""
 MAX_SUPPRESSION = WINDOW_SIZE // 2
 """Largest radius of the non-maximum suppression: the whole response window."""
 BUDGET_BITS = 16
-"""Of ``Settings.max_corners``, ``target_corners`` and ``reference_rank``."""
+"""Width of ``Settings.max_corners``, ``target_corners`` and ``reference_rank``."""
 SMOOTHING_BITS = 2
-"""Of ``Settings.smoothing``."""
+"""Width of ``Settings.smoothing``."""
 BUDGET_SETTINGS = {
     **dict.fromkeys(("max_corners", "target_corners", "reference_rank"), BUDGET_BITS),
     "smoothing": SMOOTHING_BITS,
 }
-"""Fields of ``Settings`` that only a detector built with ``budget`` has, and their widths; 0
-switches each off.
+"""Fields of ``Settings`` that only a detector built with ``budget`` has, and their widths. 0
+switches each of them off.
 """
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
+"""Largest width and height of a frame: positions fit a record."""
 MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10

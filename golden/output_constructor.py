@@ -1,25 +1,34 @@
 """Output construction (Sec. 3.5) and the one description of the 64-bit record.
 
-======  ===================================================================== bits    corner record
-======  ===================================================================== 19:0    x, unsigned, 7
-fractional bits (1/128 pixel), first pixel centre = 0 39:20   y, likewise 60:40   D, the corner
-response, unsigned (with 8-bit pixels 16 bits are used, or 17 with signed gradients) 61
-CLAMPED: the corner lay half a pixel away or more in x or y and was clamped; by the gradient step 4
-pixels 62      NOT_MAXIMUM: the fitted surface has no maximum, or all gradients are parallel; the
-offset is (0, 0) 63      TEXTURED: rejected by the texture filter (only if those are reported)
-======  =====================================================================
+======  ==========================================================================
+bits    corner record
+======  ==========================================================================
+19:0    x, unsigned, 7 fractional bits (1/128 pixel), first pixel centre = 0
+39:20   y, likewise
+60:40   D, the corner response, unsigned (with 8-bit pixels 16 bits are used, or
+        17 with signed gradients)
+61      CLAMPED: the corner lay half a pixel away or more in x or y and was
+        clamped; by the gradient step, 4 pixels
+62      NOT_MAXIMUM: the fitted surface has no maximum, or all gradients are
+        parallel; the offset is (0, 0)
+63      TEXTURED: rejected by the texture filter (only if those are reported)
+======  ==========================================================================
 
-A corner is never CLAMPED and NOT_MAXIMUM at once, so both together mark the one end-of-frame record
+A corner is never CLAMPED and NOT_MAXIMUM at once, so both together flag the one end-of-frame record
 that closes every frame, also a frame without corners:
 
-======  ===================================================================== bits    end-of-frame
-record ======  ===================================================================== 23:0    number
-of corner records in the frame (what ``Settings.max_corners`` left out is not among them) 39:24
-frame number since reset, modulo 65536 60:40   largest D of the pixels at which a corner may be: the
-next frame's reference 62:61   both set 63      CUT: the frame was cut short. It then lacks corners,
-and bits 60:40 are 0.
+======  ==========================================================================
+bits    end-of-frame record
+======  ==========================================================================
+23:0    number of corner records in the frame (without those that
+        ``Settings.max_corners`` left out)
+39:24   frame number since reset, modulo 65536
+60:40   largest D of the pixels at which a corner may be: the next frame's
+        reference
+62:61   both set
+63      CUT: the frame was cut short. It then lacks corners, and bits 60:40 are 0.
         The detector by itself never cuts one; see ``golden.video``
-======  =====================================================================
+======  ==========================================================================
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""One detector as golden model and hardware share it, and the number formats that follow from it.
+"""One detector as the golden model and the hardware share it, and the number formats that follow.
 
-Formats are derived here and nowhere else, so that the two cannot drift apart.
+The formats are derived here and nowhere else, so that the two cannot drift apart.
 """
 
 from __future__ import annotations
@@ -14,30 +14,34 @@ from golden.formats import MAX_PIXEL_BITS, MAX_SIDE, MIN_PIXEL_BITS, SUPPORT
 from golden.options import check_options, option
 
 _ALGORITHM = frozenset(field.name for field in fields(Algorithm))
-UNMENTIONED = frozenset({"derivative", "response_filter", "texture", "suppression", "budget"})
-"""Fields that go without mention where they have their default."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Parameters:
-    """One detector. The defaults are the profile ``robust``; :meth:`profile` makes others.
+    """One detector: its algorithm, and the pixels and frames that it takes.
+
+    The defaults are those of the profile ``robust``; :meth:`profile` makes others.
 
     Parameters
     ----------
     algorithm
-        What decides the records.
+        What decides which corners there are, and where.
     pixel_bits
-        Width of a pixel, unsigned, 4 to 10.
+        Width of a pixel, 4 to 10; pixels are unsigned.
     max_width, max_height
-        Largest frame; the real size is set at run time, from 15x15 up to this.
+        Largest frame, 15 to 8192 either way. The size of each frame is set at run time, from 15x15
+        up to this.
     budget
-        Build the settings of :data:`BUDGET_SETTINGS`: ``max_corners``, ``target_corners``,
-        ``reference_rank`` and ``smoothing``.
+        Build what the settings ``max_corners``, ``target_corners``, ``reference_rank`` and
+        ``smoothing`` need.
 
     Raises
     ------
+    TypeError
+        The algorithm is none.
     ValueError
-        Names the field, its value and what is allowed.
+        A field has a value that is not allowed; the message names the field, its value and what is
+        allowed.
     """
 
     algorithm: Algorithm = PROFILES[DEFAULT_PROFILE]
@@ -69,10 +73,21 @@ class Parameters:
 
     @classmethod
     def profile(cls, name: str, **changes: Any) -> Self:
-        """The named profile, with some fields of it or of its algorithm changed.
+        """The detector of that profile, with some of its own or its algorithm's fields changed.
 
-        ``ValueError`` if there is no such profile, or field's value; ``TypeError`` if the name is
-        no string, or there is no such field.
+        Parameters
+        ----------
+        name
+            ``"robust"`` or ``"paper"``, see ``golden.algorithm.PROFILES``.
+        changes
+            Fields of these parameters and of the algorithm, by name.
+
+        Raises
+        ------
+        ValueError
+            There is no such profile, or a field has a value that is not allowed.
+        TypeError
+            The name is no string, or there is no such field.
         """
         check_type("profile", name, str)
         if name not in PROFILES:
@@ -80,40 +95,33 @@ class Parameters:
         return cls(algorithm=PROFILES[name]).changed(**changes)
 
     def changed(self, **changes: Any) -> Self:
-        """The same with some fields changed, be they its own or its algorithm's; raises what making
-        one raises.
+        """The same detector with some of its own or its algorithm's fields changed.
+
+        ``ValueError`` and ``TypeError`` as for :meth:`profile`.
         """
         algorithm = {name: value for name, value in changes.items() if name in _ALGORITHM}
         own = {name: value for name, value in changes.items() if name not in _ALGORITHM}
         return replace(self, **{"algorithm": replace(self.algorithm, **algorithm), **own})
 
     def as_dict(self) -> dict[str, Any]:
-        """All fields by name, its algorithm's among its own."""
+        """All fields by name, those of the algorithm among its own."""
         own = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "algorithm"}
         size = {name: own.pop(name) for name in ("pixel_bits", "max_width", "max_height")}
         return {**size, **asdict(self.algorithm), **own}
 
     @property
-    def described(self) -> dict[str, Any]:
-        """:meth:`as_dict` without the :data:`UNMENTIONED` that nobody asked for."""
-        usual = {field.name: field.default for field in (*fields(Algorithm), *fields(self))}
-        return {
-            name: value
-            for name, value in self.as_dict().items()
-            if value != usual[name] or name not in UNMENTIONED
-        }
-
-    @property
     def pixel_max(self) -> int:
+        """Largest pixel."""
         return (1 << self.pixel_bits) - 1
 
     @property
     def product_bits(self) -> int:
-        """Width of A, B and |C|, before and after smoothing (the kernel sums to 1)."""
+        """Width of A, B and |C|, before and after smoothing: the kernel sums to 1."""
         return 2 * self.pixel_bits
 
     @property
     def product_max(self) -> int:
+        """Largest A, B and |C|."""
         return self.pixel_max**2
 
     @property
@@ -123,16 +131,17 @@ class Parameters:
 
     @property
     def radicand_bits(self) -> int:
+        """Width of (A - B)² + (2C)², unsigned."""
         return 2 * self.root_bits
 
     @property
     def response_max(self) -> int:
-        """Full scale of D, twice the smaller eigenvalue of the tensor T: at most 2·uᵀTu for any
-        unit vector u.
+        """Full scale of D.
 
-        With u along an axis that is 2A or 2B. With u = (1, -1)/√2 it is A + B - 2C: where gradients
-        are absolute the mean of (|gx| - |gy|)², no more than one full product, and rounding A, B
-        and C adds less than 2.
+        D is twice the smaller eigenvalue of the tensor T, and so at most 2·uᵀTu for any unit vector
+        u. With u along an axis, this bound is 2A or 2B. With u = (1, -1)/√2, it is A + B - 2C.
+        Where gradients are absolute, that is the mean of (|gx| - |gy|)², which is no more than one
+        full product; rounding A, B and C adds less than 2.
         """
         return self.product_max + 1 if self.algorithm.gradient == "absolute" else 2 * self.product_max
 
@@ -143,7 +152,9 @@ class Parameters:
 
     @property
     def pixels_per_region(self) -> int:
-        """Pixels in one region of a patch; tau is kept scaled by it, so no divider is needed."""
+        """Pixels in one region of a patch. tau stays multiplied by it, so that nothing has to be
+        divided.
+        """
         return 9 if self.algorithm.patches == "regions" else 1
 
     @property
@@ -153,4 +164,5 @@ class Parameters:
 
     @property
     def texture_bits(self) -> int:
+        """Width of tau, unsigned."""
         return self.texture_max.bit_length()

@@ -1,4 +1,4 @@
-"""How a detector is set: what can change from frame to frame."""
+"""The settings of a detector: what can change from frame to frame."""
 
 from __future__ import annotations
 
@@ -22,15 +22,16 @@ from golden.parameters import Parameters
 Reference = Literal["previous", "constant"]
 
 _LARGEST = Parameters.profile("robust", pixel_bits=MAX_PIXEL_BITS).response_max
-"""The largest D that any detector has; how large it is in one: see :meth:`Settings.check`."""
+"""The largest D that any detector has. What one detector allows: see :meth:`Settings.check`."""
 _BUDGET_MAX = (1 << BUDGET_BITS) - 1
 
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """What can change from frame to frame; the hardware latches it at each start of frame.
+    """Thresholds and limits of a frame; the hardware latches them at each start of frame.
 
-    Constant and floor are by default those of 8-bit pixels; :meth:`default` has those of others.
+    The defaults of ``constant`` and ``floor`` are made for 8-bit pixels; :meth:`default` scales
+    them for other detectors.
 
     Parameters
     ----------
@@ -39,40 +40,42 @@ class Settings:
         but not to 0.
     sigma2
         Texture threshold, 0 <= sigma2 < 16: a corner has tau < T2 = sigma2 · Dref. Rounded to
-        1/65536, but not to 0. With ``texture="mean"``: how much the local level of D counts,
-        whatever Dref: 0, or 1/8 to 15/8, rounded down to eighths.
+        1/65536, but not to 0. With ``texture="mean"`` it is the weight of the local level of D,
+        whatever Dref is: 0, or 1/8 to 15/8, rounded down to eighths.
     reference
         Dref: the largest D of the ``"previous"`` frame, or the ``"constant"``. The first frame
-        after reset has no previous one and uses the constant. Counted is D of the pixels at which a
-        corner may be, smoothed where the ``response_filter`` smooths it: a bright mark in the
-        margin decides nothing.
+        after reset has no previous one and uses the constant. Only the pixels at which a corner may
+        be count, so that a bright spot in the margin decides nothing. Where the ``response_filter``
+        smooths D, the smoothed D counts.
     constant
         Dref where no previous frame counts, in units of D.
     floor
-        Dref never falls below it, or a black frame would turn the next one's noise into corners.
+        Dref is never below it, in units of D. Without it, the noise of the frame after a black one
+        would become corners.
     report_rejected
-        Also report corners that the texture filter rejects, flagged ``TEXTURED``.
+        Also report the corners that the texture filter rejects, flagged ``TEXTURED``.
     max_corners
-        Corners reported per frame, at most: the first ones in raster order, without those that the
-        texture filter rejects; of these, none after the last. 0: no limit. Only built with
-        ``budget``.
+        Largest number of accepted corners in a frame: the first ones in raster order. Rejected
+        corners do not count, and none is reported after the last accepted one. 0: no limit. It is
+        only built with ``budget``.
     target_corners
-        Corners per frame to aim at, without those that the texture filter rejects: T1 becomes what
-        would have left so many of the previous frame, but no less than sigma1 · floor; see
-        ``golden.adaptation``. 0: T1 as above. Only built with ``budget``.
+        Number of accepted corners per frame to aim at: T1 becomes the one that would have left so
+        many of the previous frame, but no less than sigma1 · floor; see ``golden.adaptation``. 0:
+        T1 as above. It is only built with ``budget``.
     reference_rank
         Dref is the D that so many corners of the previous frame exceed, in place of its largest: a
-        few bright pixels then do not decide about all others. Where a frame has fewer corners Dref
-        is the floor. Counted are all peaks, with ``texture="mean"`` those with T > 0. 0: the
-        largest. A target comes first. Only built with ``budget``.
+        few bright pixels then do not decide about all others. Where a frame has fewer corners, Dref
+        is the floor. All peaks count; with ``texture="mean"``, those with T > 0. 0: the largest.
+        It changes nothing where there is a target. It is only built with ``budget``.
     smoothing
         What a target or a rank asks for moves by 1/2**smoothing of the way from frame to frame, 0
-        to 3: for lamps that flicker. Only built with ``budget``.
+        to 3: for lamps that flicker. It is only built with ``budget``.
 
     Raises
     ------
     ValueError
-        Names the field, its value and what is allowed.
+        A field has a value that is not allowed; the message names the field, its value and what is
+        allowed.
     """
 
     sigma1: float = option(
@@ -118,20 +121,20 @@ class Settings:
 
     @classmethod
     def default(cls, parameters: Parameters, **changes: Any) -> Settings:
-        """Settings with ``constant`` and ``floor`` scaled to this detector's D, and ``changes``
-        applied.
+        """Settings whose ``constant`` and ``floor`` fit this detector, with ``changes`` applied.
 
-        1/16 and 1/128 of the range of A + B, which is what the class defaults are for 8-bit pixels.
+        They are 1/16 and 1/128 of the range of A + B, as the defaults of the class are for 8-bit
+        pixels.
         """
         check_type("parameters", parameters, Parameters)
         bits = parameters.root_bits
         return cls(**{"constant": 1 << (bits - 4), "floor": 1 << (bits - 7), **changes})
 
     def check(self, parameters: Parameters) -> None:
-        """Raise ``ValueError`` if this detector cannot be set so.
+        """Raise ``ValueError`` if this detector cannot have these settings.
 
-        Constant or floor exceed its D, sigma2 is none of its adaptive threshold's, or it lacks the
-        budget asked for.
+        ``constant`` or ``floor`` exceed its D, sigma2 is not one of its adaptive threshold's, or
+        it is built without the budget that is asked for.
         """
         check_type("parameters", parameters, Parameters)
         for field in ("constant", "floor"):
@@ -153,7 +156,7 @@ class Settings:
                 )
 
     def fixed(self, parameters: Parameters) -> dict[str, int]:
-        """All of them as the hardware takes them, whole numbers by the names of its inputs."""
+        """The settings as the hardware takes them: whole numbers by the names of its inputs."""
         return {
             "sigma1": self.sigma1_fixed,
             "sigma2": self.sigma2_fixed,
@@ -166,12 +169,12 @@ class Settings:
 
     @property
     def by_rank(self) -> bool:
-        """Is Dref, where there is a frame before, what the rank asks for? A target comes first."""
+        """Does the rank decide Dref, where there is a frame before? A target comes first."""
         return self.reference_rank > 0 and not self.target_corners
 
     @property
     def wanted_corners(self) -> int:
-        """How many corners the D exceed that is taken from one frame to the next; 0: none is."""
+        """Number of corners that exceed the D which one frame leaves to the next; 0: it leaves none."""
         return self.target_corners or self.reference_rank
 
     @property
@@ -180,16 +183,14 @@ class Settings:
         return min(round(self.sigma1 * (1 << SIGMA_BITS)), (1 << SIGMA_BITS) - 1)
 
     def sigma2_used(self, parameters: Parameters) -> float:
-        """What sigma2 is rounded to in this detector."""
+        """The sigma2 that this detector has after rounding."""
         if parameters.algorithm.texture == "mean":
             return self.mean_weight / (1 << MEAN_WEIGHT_FRACTION_BITS)
         return self.sigma2_fixed / (1 << SIGMA_BITS)
 
     @property
     def mean_weight(self) -> int:
-        """sigma2 in eighths, as the adaptive threshold takes it; what is more than fits counts as
-        the most.
-        """
+        """sigma2 in eighths, as the adaptive threshold takes it, at most 15."""
         return min(self.sigma2_fixed >> (SIGMA_BITS - MEAN_WEIGHT_FRACTION_BITS), (1 << MEAN_WEIGHT_BITS) - 1)
 
     @property

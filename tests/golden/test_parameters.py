@@ -13,7 +13,8 @@ import pytest
 from golden import StreamModel, check_image, detect
 from golden.algorithm import DEFAULT_PROFILE, PROFILES, Algorithm, Gradient
 from golden.formats import MAX_SIDE
-from golden.parameters import UNMENTIONED, Parameters
+from golden.options import options
+from golden.parameters import Parameters
 from golden.settings import Settings
 from golden.video import VideoSettings
 
@@ -45,7 +46,7 @@ def refusal(cls: Callable[..., Any], **fields: Any) -> str:
 def test_whole_numbers_of_parameters(field: str) -> None:
     low, high = RANGES[field]
     for value in (low, high):
-        assert Parameters.profile("paper", **{field: value}).described.get(field, value) == value
+        assert Parameters.profile("paper", **{field: value}).as_dict()[field] == value
     for value in (low - 1, high + 1, float(low), "8", None, True):
         message = refusal(Parameters.profile, name="paper", **{field: value})
         assert message == f"{field} is {value!r}; allowed: whole numbers from {low} to {high}"
@@ -54,7 +55,7 @@ def test_whole_numbers_of_parameters(field: str) -> None:
 @pytest.mark.parametrize("field", CHOICES)
 def test_choices_of_parameters(field: str) -> None:
     for value in CHOICES[field]:
-        assert Parameters.profile("paper", **{field: value}).described.get(field, value) == value
+        assert Parameters.profile("paper", **{field: value}).as_dict()[field] == value
     for value in ("other", "", None, 1, CHOICES[field][0].upper()):
         message = refusal(Parameters.profile, name="paper", **{field: value})
         assert message == f"{field} is {value!r}; allowed: {', '.join(CHOICES[field])}"
@@ -231,11 +232,11 @@ def test_profiles() -> None:
         Parameters.profile("paper", fit="ten")
 
 
-def test_options_nobody_asked_for_are_not_described() -> None:
-    described = Parameters.profile("paper").described
-    assert described["gradient"] == "absolute" and not UNMENTIONED & set(described)
-    other = Parameters.profile("robust", response_filter="none").described
-    assert UNMENTIONED & set(other) == {"derivative", "texture"} and other["derivative"] == "sobel"
+def test_all_fields_by_name() -> None:
+    found = Parameters.profile("paper", suppression=2, max_width=640).as_dict()
+    assert list(found)[:3] == ["pixel_bits", "max_width", "max_height"]
+    assert set(found) == {*options(Algorithm), *options(Parameters)}
+    assert (found["suppression"], found["max_width"], found["gradient"]) == (2, 640, "absolute")
 
 
 def test_frozen() -> None:
