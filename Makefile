@@ -10,6 +10,7 @@ ARGS ?=
 CORE := $(VENV)/.installed-core
 TEST := $(VENV)/.installed-test
 EVAL := $(VENV)/.installed-eval
+DOCS := $(VENV)/.installed-docs
 SYNTH := $(VENV)/.installed-synth
 FORMAL := $(VENV)/.installed-formal
 SOURCES := $(shell find golden hdl flow -name "*.py")
@@ -42,7 +43,7 @@ endif
 
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
-.PHONY: all verilog run package export synth tables eval test lowest verify formal lint bench clean distclean help
+.PHONY: all verilog run package export synth tables eval test lowest verify formal lint docs bench clean distclean help
 
 all: verilog run  ## the Verilog of the default core, and a photograph through the simulated hardware
 
@@ -83,6 +84,9 @@ lint: | $(TEST)  ## ruff and mypy
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+docs: | $(DOCS)  ## all pages as a static site in build/site; a warning is an error
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --site-dir $(abspath $(BUILD))/site
+
 eval: | $(EVAL)  ## how good the corners are, into build/evaluation: some minutes; ARGS=--quick for less
 	$(BIN)/cornerstream eval --output $(BUILD)/evaluation $(ARGS)
 
@@ -114,7 +118,7 @@ $(CORE): pyproject.toml | $(BIN)/python
 	@touch $@
 
 $(TEST): pyproject.toml | $(CORE)
-	$(PIP) --editable '.[test]'
+	$(PIP) --editable '.[test,docs]'
 	@touch $@
 
 $(SYNTH): pyproject.toml | $(CORE)
@@ -123,6 +127,10 @@ $(SYNTH): pyproject.toml | $(CORE)
 
 $(FORMAL): pyproject.toml | $(CORE)
 	$(PIP) --editable '.[formal]'
+	@touch $@
+
+$(DOCS): pyproject.toml | $(CORE)
+	$(PIP) --editable '.[docs]'
 	@touch $@
 
 $(EVAL): pyproject.toml | $(CORE)
