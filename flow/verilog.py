@@ -10,10 +10,12 @@ from itertools import count
 from amaranth.back import rtlil
 from amaranth.lib import wiring
 
+from flow.verilog_ports import ports_of
 from golden.version import VERSION
 from hdl.build import Build
 from hdl.edges import Interface, make_core
 from hdl.identifiers import check_name, plain_port
+from sim.rtlil import without_zeros
 from sim.tools import run
 
 MODULE = "cornerstream"
@@ -35,16 +37,11 @@ write_verilog
 """
 _AMARANTH_ATTRIBUTES = "-remove amaranth.hierarchy -remove amaranth.decoding"
 
-_MEMORY_INIT = re.compile(r"^  cell \$meminit_v2 .*?^  end\n", re.MULTILINE | re.DOTALL)
-_MEMORY_WRITE = re.compile(r"^  cell \$memwr_v2 .*?^  end\n", re.MULTILINE | re.DOTALL)
-_MEMORY_NAME = re.compile(r'parameter \\MEMID "(.*?)"')
-_ALL_ZERO = re.compile(r"connect \\DATA \d+'0*$", re.MULTILINE)
 _MODULE = re.compile(r"^module .*?^end\n", re.MULTILINE | re.DOTALL)
 _DERIVED_WIRE = re.compile(r"^  wire (?!.*(?:input|output|inout) ).*?\\(\$\S+)$", re.MULTILINE)
 _DERIVED_NAME = re.compile(r"(?<=[\s{])\\(\$[^\s\[]+)")
 _ESCAPED = re.compile(r"\\(\S+) ")
 _PLAIN = re.compile(r"[A-Za-z_]\w*")
-_PORT = re.compile(r"^  (?:input|output) (?:\[\d+:0\] )?(\w+);", re.MULTILINE)
 # what is left of the initial value of a register that goes by another name
 _LEFTOVER = re.compile(r"^  \(\* init = .* \*\)\n", re.MULTILINE)
 
@@ -83,7 +80,7 @@ def emit_verilog(parameters: Build, interface: Interface = "stream", name: str =
 def core_verilog(core: wiring.Component, parameters: Build, name: str = MODULE) -> str:
     """As :func:`emit_verilog`, of a core that exists and was built with these parameters."""
     lines = [f"  {field} = {value}" for field, value in parameters.as_dict().items()]
-    return convert(core, name, ["Build:", *lines])
+    return convert(core, name, ["Parameters:", *lines])
 
 
 def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
@@ -142,7 +139,7 @@ def plain_ports(text: str, top: str) -> str:
     end = text.index("\nendmodule", start.start())
     body = text[start.start() : end]
     taken = set(_PLAIN.findall(body))
-    for port in _PORT.findall(body):
+    for port in (port.name for port in ports_of(body)):
         plain = plain_port(port)
         if plain != port:
             if plain in taken:
@@ -152,33 +149,11 @@ def plain_ports(text: str, top: str) -> str:
     return text[: start.start()] + body + text[end:]
 
 
-def without_zeros(source: str) -> str:
-    """RTLIL without the zeros that memories with a write port start with."""
-    return _MODULE.sub(lambda match: _module_without_zeros(match[0]), source)
-
-
-def _module_without_zeros(module: str) -> str:
-    written = {_memory_name(cell) for cell in _MEMORY_WRITE.findall(module)}
-
-    def keep(match: re.Match[str]) -> str:
-        cell = match[0]
-        return "" if _memory_name(cell) in written and _ALL_ZERO.search(cell) else cell
-
-    return _MEMORY_INIT.sub(keep, module)
-
-
 def _given_names_first(module: str) -> str:
     # A net may have a name that somebody gave it and one that Amaranth derived, with a $ in front.
     # Yosys takes either, unless the derived one is marked as internal: by no backslash.
     derived = set(_DERIVED_WIRE.findall(module))
     return _DERIVED_NAME.sub(lambda match: match[1] if match[1] in derived else match[0], module)
-
-
-def _memory_name(cell: str) -> str:
-    match = _MEMORY_NAME.search(cell)
-    if match is None:
-        raise VerilogError(f"memory cell without a name: {cell.splitlines()[0].strip()}")
-    return match[1]
 
 
 def _heading(name: str, remarks: list[str]) -> str:

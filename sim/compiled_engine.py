@@ -24,13 +24,12 @@ from amaranth.lib import wiring
 from sim.compiler import build, find_compiler, package_text, run_tool
 from sim.native import NativeEngine, describe_levels, describe_streams
 from sim.ports import Ports, discover, signals
+from sim.rtlil import without_zeros
 from sim.waves import views
 
 _TOP = "dut"
 _POSEDGE = "bool posedge_p_clk = this->posedge_p_clk();"
 _ONE_PASS = "bool converged = true;"
-_MEMORY_INIT = re.compile(r"^  cell \$meminit_v2 .*?^  end\n", re.MULTILINE | re.DOTALL)
-_ALL_ZERO = re.compile(r"connect \\DATA \d+'0*$", re.MULTILINE)
 _GENERATORS = ("compiled_engine.py", "native.py")
 """Sources that decide what the C++ looks like, besides the headers."""
 
@@ -41,15 +40,6 @@ def top_ports(text: str) -> set[str]:
     if body is None:
         raise ValueError("the design is empty")
     return set(re.findall(r"^ *wire .*\b(?:in|out)put +\d+ .*\\(\S+)$", body[1], re.MULTILINE))
-
-
-def without_zeros(text: str) -> str:
-    """RTLIL text without initial contents of memories that are zero: CXXRTL's memories start so by
-    themselves.
-
-    Amaranth writes them out word by word, and they would be half of what there is to compile.
-    """
-    return _MEMORY_INIT.sub(lambda match: "" if _ALL_ZERO.search(match[0]) else match[0], text)
 
 
 def mangle(name: str) -> str:

@@ -23,8 +23,9 @@ from typing import Any
 
 from evaluation.comparison.speed import mirrored_photograph
 from evaluation.figures import Figures
-from flow.quartus import find_memories, ports_of, split_modules
+from flow.quartus import find_memories
 from flow.verilog import MODULE, emit_verilog
+from flow.verilog_ports import ports_of, split_modules
 from golden import PROFILES, Settings, StreamModel
 from hdl.build import Buffering, Build
 from hdl.detector import Detector

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 
-from flow.verilog import without_zeros
+from sim.rtlil import without_zeros
 
 SCRIPT = """
 read_rtlil design.il

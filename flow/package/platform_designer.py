@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from flow.quartus.project import Port
+from flow.verilog_ports import Port
 from hdl.edges import Interface
 
 _DATA = "data"

@@ -12,9 +12,9 @@ from typing import Any, Literal
 from flow.command import command
 from flow.package.platform_designer import hw_interfaces
 from flow.package.registers import driver_source, facts, svd
-from flow.quartus.project import ports_of, split_modules
 from flow.templates import render
 from flow.verilog import MODULE, emit_verilog
+from flow.verilog_ports import ports_of, split_modules
 from golden import Settings
 from golden import output_constructor as record
 from golden.formats import COORDINATE_BITS, MARGIN, OFFSET_BITS, SUPPORT

@@ -5,8 +5,7 @@ that compiles it.
 from __future__ import annotations
 
 import json
-import re
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from flow.command import command
 from flow.quartus.memories import Memory, find_memories, with_attributes
 from flow.templates import render
 from flow.verilog import END_OF_WAIVERS, MODULE, emit_verilog
+from flow.verilog_ports import ports_of, split_modules
 from golden.version import VERSION
 from hdl.build import Build
 
@@ -27,34 +27,6 @@ SOURCES = "rtl"
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _PROJECT = ("{}.qpf", "{}.qsf", "{}.sdc", "compile.tcl", "README.md")
-_MODULE = re.compile(r"^module (\w+)\(.*?^endmodule\n", re.MULTILINE | re.DOTALL)
-_PORT = re.compile(r"^  (input|output) (?:\[(\d+):0\] )?(\w+);", re.MULTILINE)
-
-
-@dataclass(frozen=True)
-class Port:
-    """A port of a Verilog module."""
-
-    name: str
-    direction: str
-    width: int
-
-    @property
-    def pins(self) -> list[str]:
-        """One name per bit, as Quartus has them."""
-        return [self.name] if self.width == 1 else [f"{self.name}[{bit}]" for bit in range(self.width)]
-
-
-def ports_of(body: str) -> list[Port]:
-    """The ports of one Verilog module, sorted by name."""
-    found = [Port(name, kind, int(high or 0) + 1) for kind, high, name in _PORT.findall(body)]
-    return sorted(found, key=lambda port: port.name)
-
-
-def split_modules(text: str) -> tuple[str, dict[str, str]]:
-    """The opening comment of emitted Verilog, and its modules by name, the top first."""
-    heading = text[: text.index("\nmodule ") + 1]
-    return heading, {match[1]: match[0] for match in _MODULE.finditer(text)}
 
 
 def project_files(parameters: Build, *, clock_mhz: float = 100.0, name: str = MODULE) -> dict[str, str]:

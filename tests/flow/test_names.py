@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from flow.quartus import ports_of, split_modules
 from flow.verilog import VerilogError, emit_verilog, plain_ports
+from flow.verilog_ports import ports_of, split_modules
 from hdl.build import Build
 from hdl.edges import Interface
 from hdl.identifiers import is_plain

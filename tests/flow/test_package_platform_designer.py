@@ -12,7 +12,7 @@ from amaranth.hdl import Fragment
 
 from flow.package import PackageInterface, package_files
 from flow.package.platform_designer import hw_interfaces
-from flow.quartus import Port
+from flow.verilog_ports import Port
 from hdl.build import Build
 from hdl.edges import make_core
 from sim.ports import signals

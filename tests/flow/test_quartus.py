@@ -26,14 +26,13 @@ from flow.quartus import (
     DEVICE,
     FAMILY,
     find_memories,
-    ports_of,
     project_files,
-    split_modules,
     with_attributes,
 )
 from flow.quartus.project import MANIFEST
 from flow.rules import rule_text
 from flow.verilog import END_OF_WAIVERS, convert
+from flow.verilog_ports import ports_of, split_modules
 from flow.yowasp import run_yosys
 from golden import Settings, StreamModel
 from hdl.build import Build

@@ -15,8 +15,9 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
-from flow.quartus import find_memories, split_modules
+from flow.quartus import find_memories
 from flow.verilog import convert, core_verilog, emit_verilog
+from flow.verilog_ports import split_modules
 from golden import Settings, StreamModel
 from golden.version import VERSION
 from hdl.build import Build
