@@ -19,8 +19,8 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 LOWEST := $(BUILD)/lowest
 LOWEST_BIN := $(LOWEST)/bin
 # what the versions of other people's packages can break, as far as it is quick
-LOWEST_TESTS := tests/golden $(patsubst %,tests/cornerstream/test_%.py,bad_input commands export files images \
-    images_depth images_kinds package process) tests/sim/test_cache.py tests/sim/test_compiler.py \
+LOWEST_TESTS := tests/golden $(patsubst %,tests/cornerstream/test_%.py,bad_input commands files images \
+    images_depth images_kinds package process quartus) tests/sim/test_cache.py tests/sim/test_compiler.py \
     'tests/sim/test_waves.py::test_waves_of_the_first_clocks[compiled]'
 # where no C++ compiler is found, one comes from PyPI
 COMPILER = $(shell for compiler in "$${CXX%% *}" c++ g++ clang++; do \
@@ -30,7 +30,7 @@ COMPILER = $(shell for compiler in "$${CXX%% *}" c++ g++ clang++; do \
 # Whatever else is to reach the tools comes before `make`, in the environment.
 GOALS := $(or $(MAKECMDGOALS),all)
 WITH_IMAGE := all run
-WITH_ARGS := $(WITH_IMAGE) package export synth tables test verify formal eval bench lowest
+WITH_ARGS := $(WITH_IMAGE) package export synth compare test verify formal eval bench lowest
 ALLOWED := BUILD CORNERSTREAM_CACHE CXX PYTHON VENV \
     $(if $(filter $(WITH_ARGS),$(GOALS)),ARGS) $(if $(filter $(WITH_IMAGE),$(GOALS)),IMAGE)
 EMPTY :=
@@ -43,7 +43,7 @@ endif
 
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
-.PHONY: all verilog run package export synth tables eval test lowest verify formal lint docs bench clean distclean help
+.PHONY: all verilog run package export synth compare eval test lowest verify formal lint docs bench clean distclean help
 
 all: verilog run  ## the Verilog of the default core, and a photograph through the simulated hardware
 
@@ -59,13 +59,13 @@ package: | $(CORE)  ## build/ip: the core with drivers, descriptions and an exam
 	$(BIN)/cornerstream package --output $(BUILD)/ip --force $(ARGS)
 
 export: | $(CORE)  ## build/quartus: the core with a Quartus project for Cyclone IV GX
-	$(BIN)/cornerstream export --output $(BUILD)/quartus --force $(ARGS)
+	$(BIN)/cornerstream quartus export --output $(BUILD)/quartus --force $(ARGS)
 
 synth: | $(SYNTH)  ## area on Cyclone IV by block, clock frequency on ECP5 as a stand-in
 	$(BIN)/cornerstream synth $(ARGS)
 
-tables: | $(SYNTH)  ## every figure of docs/results/comparison.md, measured anew: half an hour and more
-	$(BIN)/cornerstream tables $(ARGS)
+compare: | $(SYNTH)  ## every figure of docs/results/comparison.md, measured anew: half an hour and more
+	$(BIN)/cornerstream compare $(ARGS)
 
 test: lint  ## ruff, mypy and all tests; options for pytest in ARGS=
 	$(BIN)/python -m pytest -n auto --dist worksteal $(ARGS)

@@ -5,21 +5,32 @@ from __future__ import annotations
 import click
 
 from cornerstream.bench import bench
+from cornerstream.compare import compare
 from cornerstream.detection import detect
-from cornerstream.errors import OneLineGroup
+from cornerstream.errors import BadInput, OneLineGroup
 from cornerstream.eval import evaluate
-from cornerstream.export import export
 from cornerstream.package import package
-from cornerstream.report import report
+from cornerstream.quartus import quartus
 from cornerstream.simulation import simulate
 from cornerstream.synth import synth
-from cornerstream.tables import tables
 from cornerstream.verilog import verilog
 from golden.version import VERSION
 
+_RENAMED = {"export": "quartus export", "report": "quartus report", "tables": "compare"}
+"""Commands by the name that they had before."""
+
+
+class _Main(OneLineGroup):
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args[0] in _RENAMED:
+            raise BadInput(f"{args[0]!r} has another name now; allowed: cornerstream {_RENAMED[args[0]]}")
+        return super().resolve_command(ctx, args)
+
 
 @click.group(
-    cls=OneLineGroup,
+    cls=_Main,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
 @click.version_option(VERSION, "--version", prog_name="cornerstream")
@@ -33,7 +44,7 @@ def main() -> None:
       cornerstream detect photo.jpg --json   the golden model only
       cornerstream verilog -o core.v         the core, for your synthesis tool
       cornerstream package -o ip             the core with drivers, descriptions and an example
-      cornerstream export -o project         the core, as a Quartus project
+      cornerstream quartus export            the core, as a Quartus project
       cornerstream synth                     its area and clock frequency
       cornerstream eval                      how good its corners are
 
@@ -42,5 +53,5 @@ def main() -> None:
     """
 
 
-for command in (simulate, detect, verilog, package, export, report, synth, tables, bench, evaluate):
+for command in (simulate, detect, verilog, package, quartus, synth, compare, bench, evaluate):
     main.add_command(command)

@@ -153,14 +153,14 @@ _hardware = _together(
 )
 _size = _together(
     click.option(
-        *("--max-width", "--width"),
+        "--max-width",
         type=int,
         default=_PLAIN.max_width,
         show_default=True,
         help="Widest frame that the hardware is built for, and the widest image that is taken.",
     ),
     click.option(
-        *("--max-height", "--height"),
+        "--max-height",
         type=int,
         default=_PLAIN.max_height,
         show_default=True,
@@ -204,15 +204,13 @@ name_option = click.option(
 )
 
 
-def interface_option(default: Interface) -> Callable[[Command], Command]:
-    """``--interface``."""
-    return click.option(
-        "--interface",
-        type=click.Choice(get_args(Interface)),
-        default=default,
-        show_default=True,
-        help="AXI4-Stream and AXI4-Lite, Avalon-ST and Avalon-MM, or the bare detector's stream.",
-    )
+interface_option = click.option(
+    "--interface",
+    type=click.Choice(get_args(Interface)),
+    default="axi",
+    show_default=True,
+    help="AXI4-Stream and AXI4-Lite, Avalon-ST and Avalon-MM, or the bare detector's stream.",
+)
 
 
 def device_option(*tools: Tool) -> Callable[[Command], Command]:

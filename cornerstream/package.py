@@ -46,7 +46,7 @@ def package(output: Path, interface: PackageInterface, name: str, force: bool, *
     \b
     Examples:
       cornerstream package
-      cornerstream package -o ip720 --profile robust --width 1280 --height 720
+      cornerstream package -o ip720 --profile robust --max-width 1280 --max-height 720
       cornerstream package -o ip --interface avalon
       cornerstream package -o ip_b --name corners_b
     """

@@ -157,7 +157,7 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: 
       cornerstream simulate photo.jpg --stall-input 0.3 --stall-output 0.3 --seed 7
       cornerstream simulate photo16bit.png --pixel-bits 10
       cornerstream simulate --engine verilog
-      cornerstream simulate --engine gates --width 512
+      cornerstream simulate --engine gates --max-width 512
       cornerstream simulate --vcd build/waves.vcd --vcd-clocks 20000
       cornerstream simulate --json | jq '.frames[-1].corners'
     """

@@ -34,7 +34,7 @@ _STAND_IN = "nextpnr for ECP5 -6 stands in for Quartus, whose delays no free too
 
 
 @click.command(short_help="Area and clock frequency.")
-@interface_option("stream")
+@interface_option
 @detector_options
 @pixel_bits_option
 @edge_options
@@ -71,8 +71,8 @@ def synth(
     \b
     Examples:
       cornerstream synth --no-timing
-      cornerstream synth --profile robust --width 1200 --height 720
-      cornerstream synth --interface axi
+      cornerstream synth --profile robust --max-width 1200 --max-height 720
+      cornerstream synth --interface stream
       cornerstream synth --buffering lean --json > build/synth.json
       cornerstream synth --no-timing --plot build/area.png --netlist build/netlist.v
     """

@@ -26,7 +26,7 @@ from hdl.edges import Interface
 
 
 @click.command(short_help="The core as Verilog.")
-@interface_option("axi")
+@interface_option
 @detector_options
 @pixel_bits_option
 @edge_options

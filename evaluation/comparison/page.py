@@ -41,7 +41,7 @@ def page(figures: Figures) -> str:
 
 _INTRODUCTION = """# Beside the paper and its peers
 
-Written by `cornerstream tables`, which measures every figure of ours on this page and keeps them in
+Written by `cornerstream compare`, which measures every figure of ours on this page and keeps them in
 [comparison.json](comparison.json); not to be edited. The paper's figures are Quartus', after fitting; ours are
 estimates by other tools, because Quartus has not been at hand: the [notes](#notes) say which tool estimated what."""
 

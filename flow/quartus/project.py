@@ -66,7 +66,7 @@ def project_files(parameters: Build, *, clock_mhz: float = 100.0, name: str = MO
         "memories": _grouped(memories),
         "memory_bits": sum(memory.bits for memory in memories),
         "modules": sorted(modules),
-        "command": command("export", parameters, clock=clock_mhz, name=name),
+        "command": command("quartus export", parameters, clock=clock_mhz, name=name),
         "name": name,
         "parameters": parameters.as_dict(),
         "period": 1000 / clock_mhz,

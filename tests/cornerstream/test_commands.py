@@ -22,9 +22,9 @@ from tests.support.runner import CliRunner
 
 WIDTH, HEIGHT = 40, 30
 SIZE = ("--max-width", str(WIDTH), "--max-height", str(HEIGHT))
-BOTH_KINDS = ("--sigma1", "0.01", "--sigma2", "0.2")
+BOTH_KINDS = ("--sigma1", "0.05", "--sigma2", "1")
 """Thresholds at which this image has corners of both kinds."""
-SETTINGS = Settings(sigma1=0.01, sigma2=0.2, report_rejected=True)
+SETTINGS = Settings(sigma1=0.05, sigma2=1.0, report_rejected=True)
 
 
 @pytest.fixture(autouse=True)
@@ -71,9 +71,9 @@ def test_detect_writes_the_golden_models_corners(image: np.ndarray) -> None:
 
 
 def test_sigma2_that_is_rounded_is_said(image: np.ndarray) -> None:
-    rounded = run("detect", "grey.png", "--profile", "robust", "--sigma2", "0.49", "--json")
+    rounded = run("detect", "grey.png", "--sigma2", "0.49", "--json")
     assert rounded.stderr == "sigma2 is 0.49; used: 0.375, since with texture 'mean' it counts in eighths\n"
-    exact = run("detect", "grey.png", "--profile", "robust", "--sigma2", "0.375", "--json")
+    exact = run("detect", "grey.png", "--sigma2", "0.375", "--json")
     corners, same = (json.loads(result.stdout)["corners"] for result in (rounded, exact))
     assert exact.stderr == "" and corners == same != []
 
@@ -94,7 +94,7 @@ def test_picture_has_both_colours() -> None:
 
 
 def test_detect_as_json(image: np.ndarray) -> None:
-    result = run("detect", "grey.png", "--json", "--fit", "printed", "--sigma1", "0.3")
+    result = run("detect", "grey.png", "--json", "--profile", "paper", "--fit", "printed", "--sigma1", "0.3")
     found = json.loads(result.stdout)
     settings = Settings(sigma1=0.3, report_rejected=True)
     corners = detect(image, Parameters.profile("paper", fit="printed"), settings)
@@ -109,7 +109,7 @@ def test_a_limit_or_a_target_builds_what_it_needs(image: np.ndarray, limit: str)
     option = "--" + limit.replace("_", "-")
     result = run("detect", "grey.png", "--json", "--suppression", "2", "--sigma1", "0.01", option, "3")
     settings = Settings(sigma1=0.01, report_rejected=True, **{limit: 3})
-    corners = detect(image, Parameters.profile("paper", suppression=2, budget=True), settings)
+    corners = detect(image, Parameters(budget=True).changed(suppression=2), settings)
     found = json.loads(result.stdout)["corners"]
     assert [{k: float(v) for k, v in corner.items()} for corner in found] == as_table(corners)
     assert corners.accepted.sum() <= 3 if limit == "max_corners" else len(corners) > 0
@@ -126,7 +126,7 @@ def test_conversion_is_said_in_a_line() -> None:
 @pytest.mark.parametrize("stalls", [[], ["--stall-input", "0.3", "--stall-output", "0.4", "--seed", "9"]])
 def test_simulate(image: np.ndarray, stalls: list[str]) -> None:
     result = run("simulate", "grey.png", "--engine", "amaranth", "-o", "out", *SIZE, *BOTH_KINDS, *stalls)
-    model = StreamModel(Parameters.profile("paper"))
+    model = StreamModel(Parameters())
     corners = [model.process(image, SETTINGS).corners for _ in range(2)][-1]
     assert table("out/corners.csv") == as_table(corners)
     assert Path("out/corners.png").is_file()
@@ -140,7 +140,7 @@ def test_simulate(image: np.ndarray, stalls: list[str]) -> None:
 
 
 def test_waves_are_written_with_a_signal_list() -> None:
-    options = ("--profile", "robust", "--frames", "1", "--vcd", "waves/w.vcd", "--vcd-clocks", "50")
+    options = ("--frames", "1", "--vcd", "waves/w.vcd", "--vcd-clocks", "50")
     result = run("simulate", "grey.png", "--engine", "amaranth", *SIZE, *options)
     assert Path("waves/w.vcd").stat().st_size > 0
     assert "i__valid" in Path("waves/w.gtkw").read_text()

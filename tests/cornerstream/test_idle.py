@@ -8,11 +8,11 @@ import pytest
 from click.testing import Result
 from PIL import Image
 
+import cornerstream.compare
 import cornerstream.detection
 import cornerstream.eval
 import cornerstream.simulation
 import cornerstream.synth
-import cornerstream.tables
 import cornerstream.verilog
 from cornerstream.cli import main
 from cornerstream.eval_tables import TABULATED
@@ -37,12 +37,12 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (cornerstream.detection, "load"),
         (cornerstream.simulation, "load"),
         (cornerstream.synth, "require"),
-        (cornerstream.tables, "prepare_folder"),
+        (cornerstream.compare, "prepare_folder"),
         (cornerstream.verilog, "emit_verilog"),
         (cornerstream.eval, "study"),
     ):
         monkeypatch.setattr(module, first, stop)
-    monkeypatch.setattr("cornerstream.export.project_files", stop)
+    monkeypatch.setattr("cornerstream.quartus.project_files", stop)
     monkeypatch.setattr("cornerstream.package.package_files", stop)
     monkeypatch.setattr("evaluation.comparison.speed.opencv", stop)
     Image.new("L", (32, 24)).save(tmp_path / "a.png")
@@ -70,13 +70,13 @@ VIEWS = "with --only repeatability or robustness or texture"
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        *((f"{command} {MEAN}", TEXTURE) for command in ("verilog", "export", "package", "synth")),
+        *((f"{command} {MEAN}", TEXTURE) for command in ("verilog", "quartus export", "package", "synth")),
         *((f"{command} a.png {MEAN}", TEXTURE) for command in ("detect", "simulate")),
-        ("detect a.png --profile robust --patches pixels", TEXTURE),
+        ("detect a.png --patches pixels", TEXTURE),
         ("verilog --interface stream --video-out", STREAM),
         ("verilog --interface stream --autostart", AUTOSTART),
-        ("synth --video-out", STREAM),
-        ("synth --autostart --no-timing", AUTOSTART),
+        ("synth --interface stream --video-out", STREAM),
+        ("synth --interface stream --autostart --no-timing", AUTOSTART),
         ("synth --no-timing --seed 7", f"--seed is 7, {IDLE}without --no-timing"),
         ("simulate a.png --seed 7", f"--seed is 7, {IDLE}with --stall-input or --stall-output"),
         ("simulate a.png --vcd-clocks 9", f"--vcd-clocks is 9, {IDLE}with --vcd"),
@@ -85,13 +85,13 @@ VIEWS = "with --only repeatability or robustness or texture"
         ("simulate a.png --reference constant --floor 99", FLOOR),
         ("detect a.png --reference constant --floor 99", FLOOR),
         ("detect a.png --constant 2000", f"--constant is 2000, {IDLE}with --reference constant"),
-        (f"detect a.png {AIMED} --texture mean", f"--reference is constant, {IDLE}without --target-corners"),
+        (f"detect a.png {AIMED}", f"--reference is constant, {IDLE}without --target-corners"),
         ("detect a.png --buffering lean", "No such option"),
         ("detect a.png --budget", "No such option"),
         ("bench --no-engines --turns 9", f"--turns is 9, {IDLE}without --no-engines"),
-        ("tables --page --quick", f"--quick is set, {NO_PAGE}"),
-        ("tables --page --no-synthesis", f"--no-synthesis is set, {NO_PAGE}"),
-        ("tables --page --jobs 99", f"--jobs is 99, {NO_PAGE}"),
+        ("compare --page --quick", f"--quick is set, {NO_PAGE}"),
+        ("compare --page --no-synthesis", f"--no-synthesis is set, {NO_PAGE}"),
+        ("compare --page --jobs 99", f"--jobs is 99, {NO_PAGE}"),
         ("eval --page --quick", f"--quick is set, {NO_PAGE}"),
         ("eval --page --json", f"--json is set, {NO_PAGE}"),
         ("eval --page --only accuracy --only table5", f"--only is accuracy, table5, {NO_PAGE}"),
@@ -123,8 +123,8 @@ def test_refused(folder: Path, line: str, message: str) -> None:
         "detect a.png --profile robust --texture patches --patches pixels",
         "detect a.png --reference constant --constant 2000",
         "detect a.png --reference constant --floor 9000",
-        f"detect a.png {AIMED}",
-        f"detect a.png {AIMED} --floor 99",
+        f"detect a.png --texture patches {AIMED}",
+        f"detect a.png --texture patches {AIMED} --floor 99",
         "simulate a.png --constant 2000",
         "simulate a.png --stall-output 0.1 --seed 7",
         "simulate a.png --vcd w.vcd --vcd-clocks 9",

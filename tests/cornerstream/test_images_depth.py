@@ -131,7 +131,7 @@ def test_detect_with_ten_bits(camera: Path, tmp_path: Path, name: str) -> None:
 def test_simulate_with_ten_bits(camera: Path, tmp_path: Path) -> None:
     camera.write_bytes(png(SQUARES[4:24, 2:26], 16))
     result = run(
-        *("simulate", camera, "--pixel-bits", 10, "--normalize", "--width", 24, "--height", 20),
+        *("simulate", camera, "--pixel-bits", 10, "--normalize", "--max-width", 24, "--max-height", 20),
         *("--profile", "robust", "--engine", "amaranth", "--frames", 1, "-o", tmp_path),
     )
     assert result.exit_code == 0, result.output

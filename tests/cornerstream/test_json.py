@@ -24,7 +24,7 @@ from tests.support.runner import CliRunner
 
 PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "json.md").read_text(encoding="utf-8")
 WIDTH, HEIGHT = 40, 30
-SIZE = ("--width", str(WIDTH), "--height", str(HEIGHT))
+SIZE = ("--max-width", str(WIDTH), "--max-height", str(HEIGHT))
 BUILT = {"max_width": WIDTH, "max_height": HEIGHT}
 SETTINGS = Settings(sigma1=0.01, report_rejected=True)
 
@@ -76,7 +76,7 @@ def test_simulate(image: np.ndarray) -> None:
     stalls = ("--stall-input", "0.1", "--seed", "3")
     found = run("simulate", "grey.png", "--json", *options, *stalls)
     assert set(found) == BOTH | SIMULATE
-    model = StreamModel(Parameters.profile("paper", **BUILT))
+    model = StreamModel(Parameters(**BUILT))
     expected = [model.process(image, SETTINGS) for _ in range(2)]
     for frame, wanted in zip(found["frames"], expected, strict=True):
         assert set(frame) == FRAME >= THRESHOLDS
@@ -89,7 +89,7 @@ def test_simulate(image: np.ndarray) -> None:
     assert found["stalls"] == {"inputs": 0.1, "outputs": 0.0, "seed": 3} and found["engine"] == "amaranth"
     assert found["files"] == ["out/corners.csv", "out/corners.png"] and Path("out/corners.png").is_file()
     assert (found["parameters"], found["settings"]) == (
-        Build.profile("paper", **BUILT).as_dict(),
+        Build(**BUILT).as_dict(),
         asdict(SETTINGS),
     )
     assert found["clocks"] > 2 * image.size and found["mismatches"] == 0

@@ -18,10 +18,10 @@ from cornerstream.cli import main
 from flow import package as package_module
 from flow.command import command
 from flow.package import MANIFEST
-from golden import Parameters
+from hdl.build import Build
 from tests.support.runner import CliRunner
 
-SIZE = ("--width", "40", "--height", "32")
+SIZE = ("--max-width", "40", "--max-height", "32")
 
 # each package takes seconds to make
 package_files = cache(package_module.package_files)
@@ -52,7 +52,7 @@ def test_package_writes_the_package() -> None:
     result = run("package", "-o", "deep/ip", *SIZE, *options)
     changes = {"max_width": 40, "max_height": 32, "pixel_bits": 10, "video_out": True, "autostart": True}
     assert contents(Path("deep/ip")) == package_files(
-        Parameters.profile("robust", **changes), "axi", "cornerstream"
+        Build.profile("robust", **changes), "axi", "cornerstream"
     )
     assert result.stdout == "" and "Written: deep/ip, " in result.stderr
     assert "What is what: deep/ip/README.md" in result.stderr
@@ -78,12 +78,24 @@ def test_the_readme_has_the_command_that_writes_the_package(options: tuple[str, 
     [
         (),
         ("--profile", "robust"),
-        ("--profile", "robust", "--buffering", "banked", "--budget"),
-        ("--texture", "mean", "--gradient", "signed", "--derivative", "sobel"),
-        ("--suppression", "3", "--patches", "pixels", "--fit", "six", "--ties", "first"),
-        ("--profile", "robust", "--fit", "nine", "--texture", "patches", "--response-filter", "none"),
+        ("--profile", "paper"),
+        ("--buffering", "banked", "--budget"),
+        ("--profile", "paper", "--texture", "mean", "--gradient", "signed", "--derivative", "sobel"),
+        (
+            "--profile",
+            "paper",
+            "--suppression",
+            "3",
+            "--patches",
+            "pixels",
+            "--fit",
+            "six",
+            "--ties",
+            "first",
+        ),
+        ("--fit", "nine", "--texture", "patches", "--response-filter", "none"),
         (*SIZE, "--name", "Other2", "--autostart", "--interface", "avalon", "--pixel-bits", "4"),
-        ("--video-out", "--width", "8192", "--height", "20"),
+        ("--video-out", "--max-width", "8192", "--max-height", "20"),
     ],
 )
 def test_any_options_are_found_again(options: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -123,9 +135,7 @@ def test_another_package_replaces_the_first() -> None:
     run("package", "-o", "ip", *SIZE, "--interface", "avalon")
     found = contents(Path("ip"))
     assert found.pop("rtl/mine.v") and Path("outside.v").exists()
-    assert found == package_files(
-        Parameters.profile("paper", max_width=40, max_height=32), "avalon", "cornerstream"
-    )
+    assert found == package_files(Build(max_width=40, max_height=32), "avalon", "cornerstream")
 
 
 def test_a_foreign_folder_is_left_alone() -> None:
@@ -162,7 +172,7 @@ def test_nothing_is_half_written(monkeypatch: pytest.MonkeyPatch, folder: Path) 
     ("options", "message"),
     [
         (("--interface", "stream"), "'stream' is not one of 'axi', 'avalon'"),
-        (("--width", "14"), "max_width is 14; allowed: whole numbers from 15"),
+        (("--max-width", "14"), "max_width is 14; allowed: whole numbers from 15"),
         (("--fit", "printed"), "fit is 'printed', which only the golden model has"),
         (("-o", "file"), "file is no folder"),
         (

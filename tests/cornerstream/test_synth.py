@@ -23,7 +23,10 @@ from hdl.edges import Interface
 from tests.support.runner import CliRunner
 
 # four bits make the smallest detector there is
-SMALL = ("--width", "32", "--height", "24", "--pixel-bits", "4", "--buffering", "lean")
+SMALL = (
+    *("--profile", "paper", "--buffering", "lean", "--interface", "stream"),
+    *("--max-width", "32", "--max-height", "24", "--pixel-bits", "4"),
+)
 COUNTED = ("lut4", "ff", "packed_pairs", "m9k", "memory_bits", "multipliers")
 
 
@@ -135,7 +138,7 @@ def refused(*arguments: str, code: int = 2) -> str:
     ("arguments", "parts"),
     [
         (["--plot", "area.txt"], ["'area.txt'", "allowed", ".png, .svg, .pdf"]),
-        (["--width", "7"], ["max_width is 7", "allowed"]),
+        (["--max-width", "7"], ["max_width is 7", "allowed"]),
         (["--seed", "0"], ["--seed"]),
         (["--fit", "printed"], ["fit is 'printed'", "allowed"]),
     ],

@@ -72,4 +72,4 @@ def test_cheap_figures_are_measured_anew(build: Variant) -> None:
     )
     fresh = structure(build.parameters) | clocks(build.parameters)
     for field in ("declared_memory_bits", "port_bits", "clocks_per_frame", "corners"):
-        assert kept[field] == fresh[field], f"{field} has changed: run cornerstream tables"
+        assert kept[field] == fresh[field], f"{field} has changed: run cornerstream compare"

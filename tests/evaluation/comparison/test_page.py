@@ -245,7 +245,7 @@ def test_clocks_are_counted_in_a_simulation_that_is_right(monkeypatch: pytest.Mo
 
 
 def run(*arguments: str, code: int = 0) -> Result:
-    result = CliRunner().invoke(main, ["tables", *arguments], prog_name="cornerstream")
+    result = CliRunner().invoke(main, ["compare", *arguments], prog_name="cornerstream")
     assert result.exit_code == code, result.output
     return result
 
@@ -254,7 +254,7 @@ def test_command_measures_and_writes(
     tmp_path: Path, counted: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("cornerstream.tables.SIZES", ((40, 32), (32, 24)))
+    monkeypatch.setattr("cornerstream.compare.SIZES", ((40, 32), (32, 24)))
     run("--quick", "--jobs", "1", "-o", "out")
     # four builds of the smallest size, without place and route
     assert counted == ["clocks", "area"] * 4
@@ -292,7 +292,7 @@ def test_command_measures_what_is_asked_for(
         assert chosen == builds(sizes) and rest == expected
         return {"tools": TOOLS, "builds": [invented(build) for build in chosen]}
 
-    monkeypatch.setattr("cornerstream.tables.measure", measured)
+    monkeypatch.setattr("cornerstream.compare.measure", measured)
     run(*options, "--jobs", "3")
     folder = Path("build/comparison") if "--quick" in options else Path("docs/results")
     assert sorted(path.name for path in folder.iterdir()) == ["comparison.json", "comparison.md"]
@@ -308,6 +308,6 @@ def test_command_on_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_help() -> None:
-    for command in ("tables", "export", "report"):
-        result = CliRunner().invoke(main, [command, "--help"])
+    for command in (["compare"], ["quartus", "export"], ["quartus", "report"]):
+        result = CliRunner().invoke(main, [*command, "--help"])
         assert result.exit_code == 0 and "Examples:\n" in result.output

@@ -15,10 +15,10 @@ from click.testing import Result
 
 from cornerstream.cli import main
 from flow import quartus
-from golden import Parameters
+from hdl.build import Build
 from tests.support.runner import CliRunner
 
-SIZE = ("--width", "40", "--height", "32")
+SIZE = ("--max-width", "40", "--max-height", "32")
 
 # each project takes seconds to make
 project_files = cache(quartus.project_files)
@@ -27,7 +27,7 @@ project_files = cache(quartus.project_files)
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("cornerstream.export.project_files", project_files)
+    monkeypatch.setattr("cornerstream.quartus.project_files", project_files)
     return tmp_path
 
 
@@ -45,8 +45,8 @@ def contents(folder: Path) -> dict[str, str]:
 
 
 def test_export_writes_the_project() -> None:
-    result = run("export", "-o", "deep/project", *SIZE, "--profile", "robust", "--clock", "150")
-    parameters = Parameters.profile("robust", max_width=40, max_height=32)
+    result = run("quartus", "export", "-o", "deep/project", *SIZE, "--profile", "robust", "--clock", "150")
+    parameters = Build.profile("robust", max_width=40, max_height=32)
     assert contents(Path("deep/project")) == project_files(parameters, clock_mhz=150.0, name="cornerstream")
     assert "set period 6.6667\n" in Path("deep/project/cornerstream.sdc").read_text()
     assert result.stdout == "" and "Written: deep/project, " in result.stderr
@@ -63,22 +63,22 @@ def _umask() -> int:
 
 
 def test_a_named_project_and_the_command_that_writes_it() -> None:
-    run("export", "-o", "project", *SIZE, "--name", "corners_b", "--clock", "133.25")
+    run("quartus", "export", "-o", "project", *SIZE, "--name", "corners_b", "--clock", "133.25")
     found = contents(Path("project"))
     assert {"rtl/corners_b.v", "corners_b.qpf", "corners_b.qsf", "corners_b.sdc"} <= found.keys()
     assert "set_global_assignment -name TOP_LEVEL_ENTITY corners_b\n" in found["corners_b.qsf"]
     assert "project_open -revision corners_b corners_b\n" in found["compile.tcl"]
     assert not any("cornerstream_" in text for text in found.values())
-    (line,) = re.findall(r"^cornerstream (export .*)$", found["README.md"], re.MULTILINE)
+    (line,) = re.findall(r"^cornerstream (quartus export .*)$", found["README.md"], re.MULTILINE)
     run(*shlex.split(line), "-o", "again")
     assert contents(Path("again")) == found
     # the next one may be called otherwise
-    run("export", "-o", "project", *SIZE)
+    run("quartus", "export", "-o", "project", *SIZE)
     assert not Path("project/corners_b.qpf").exists() and Path("project/cornerstream.qpf").is_file()
 
 
 def test_another_export_replaces_the_first_and_keeps_what_quartus_made() -> None:
-    run("export", "-o", "project", *SIZE)
+    run("quartus", "export", "-o", "project", *SIZE)
     Path("project/output_files").mkdir()
     Path("project/output_files/cornerstream.fit.summary").write_text("of Quartus")
     # a block that the earlier export had, and one that is none of ours
@@ -87,12 +87,12 @@ def test_another_export_replaces_the_first_and_keeps_what_quartus_made() -> None
     Path("project/cornerstream.json").write_text(json.dumps(manifest))
     for name in ("project/rtl/cornerstream_gone.v", "project/rtl/mine.v", "outside.v"):
         Path(name).write_text("module gone; endmodule\n")
-    run("export", "-o", "project", *SIZE, "--buffering", "lean")
+    run("quartus", "export", "-o", "project", *SIZE, "--buffering", "banked")
     found = contents(Path("project"))
     assert found.pop("output_files/cornerstream.fit.summary") == "of Quartus"
     assert found.pop("rtl/mine.v") and Path("outside.v").exists()
     assert found == project_files(
-        Parameters.profile("paper", buffering="lean", max_width=40, max_height=32),
+        Build(buffering="banked", max_width=40, max_height=32),
         clock_mhz=100.0,
         name="cornerstream",
     )
@@ -105,17 +105,17 @@ def test_a_foreign_folder_is_left_alone(manifest: str | None) -> None:
     if manifest is not None:
         Path("mine/cornerstream.json").write_text(manifest)
     before = contents(Path("mine"))
-    result = run("export", "-o", "mine", *SIZE, code=2)
+    result = run("quartus", "export", "-o", "mine", *SIZE, code=2)
     assert "mine holds files that are no earlier export; allowed: an empty or a new folder" in result.stderr
     assert contents(Path("mine")) == before
-    run("export", "-o", "mine", *SIZE, "--force")
+    run("quartus", "export", "-o", "mine", *SIZE, "--force")
     assert Path("mine/thesis.tex").read_text() == "years of work"
     assert Path("mine/compile.tcl").is_file()
 
 
 def test_an_empty_folder_will_do() -> None:
     Path("empty").mkdir()
-    run("export", "-o", "empty", *SIZE)
+    run("quartus", "export", "-o", "empty", *SIZE)
     assert Path("empty/cornerstream.qpf").is_file()
 
 
@@ -130,7 +130,7 @@ def test_nothing_is_half_written(monkeypatch: pytest.MonkeyPatch, folder: Path) 
         replace(source, target)
 
     monkeypatch.setattr(os, "replace", full)
-    result = run("export", "-o", "project", *SIZE, code=2)
+    result = run("quartus", "export", "-o", "project", *SIZE, code=2)
     assert calls > 5 and "No space left on device" in result.stderr
     assert list(folder.iterdir()) == []
 
@@ -140,14 +140,14 @@ def test_nothing_is_half_written(monkeypatch: pytest.MonkeyPatch, folder: Path) 
     [
         (("--clock", "0"), "clock is 0.0; allowed: MHz, more than 0"),
         (("--clock", "fast"), "'fast' is not a valid float"),
-        (("--width", "14"), "max_width is 14; allowed: whole numbers from 15"),
+        (("--max-width", "14"), "max_width is 14; allowed: whole numbers from 15"),
         (("--fit", "printed"), "fit is 'printed', which only the golden model has"),
         (("-o", "file"), "file is no folder"),
     ],
 )
 def test_bad_input(options: tuple[str, ...], message: str, folder: Path) -> None:
     Path("file").touch()
-    result = run("export", "-o", "project", *SIZE, *options, code=2)
+    result = run("quartus", "export", "-o", "project", *SIZE, *options, code=2)
     assert message in result.stderr
     assert [path.name for path in folder.iterdir()] == ["file"]
 
@@ -210,7 +210,7 @@ TNS   : 0.000
 def compiled(fit: str = FIT, sta: str = STA, place: str = "project/output_files") -> None:
     """Leave an exported project as a compilation does."""
     if not Path("project").exists():
-        run("export", "-o", "project", *SIZE, "--clock", "125")
+        run("quartus", "export", "-o", "project", *SIZE, "--clock", "125")
     Path(place).mkdir(exist_ok=True)
     Path(place, "cornerstream.fit.summary").write_text(fit)
     Path(place, "cornerstream.sta.summary").write_text(sta)
@@ -219,7 +219,7 @@ def compiled(fit: str = FIT, sta: str = STA, place: str = "project/output_files"
 @pytest.mark.parametrize("given", ["project", "project/output_files"])
 def test_report_as_json(given: str) -> None:
     compiled()
-    assert json.loads(run("report", "--quartus", given, "--json").stdout) == {
+    assert json.loads(run("quartus", "report", given, "--json").stdout) == {
         "revision": "cornerstream",
         "device": "EP4CGX150CF23C8",
         "version": "Quartus 22.1std.0 Build 915 10/25/2022 SC Lite Edition",
@@ -243,8 +243,8 @@ def test_report_as_json(given: str) -> None:
 def test_keys_are_those_of_the_page() -> None:
     compiled()
     page = (Path(__file__).parents[2] / "docs" / "howto" / "quartus.md").read_text(encoding="utf-8")
-    (paragraph,) = re.findall(r"^`report --json` prints .*?\n\n", page, re.MULTILINE | re.DOTALL)
-    found = json.loads(run("report", "--quartus", "project", "--json").stdout)
+    (paragraph,) = re.findall(r"^`quartus report --json` prints .*?\n\n", page, re.MULTILINE | re.DOTALL)
+    found = json.loads(run("quartus", "report", "project", "--json").stdout)
     assert set(re.findall(r"`(\w+)`", paragraph)) == set(found)
 
 
@@ -263,16 +263,16 @@ RPT = """\
 def test_blocks_of_ram_are_in_the_long_report() -> None:
     compiled()
     Path("project/output_files/cornerstream.fit.rpt").write_text(RPT)
-    assert json.loads(run("report", "--quartus", "project", "--json").stdout)["m9k"] == 1034
-    assert "1,034" in run("report", "--quartus", "project").stdout
+    assert json.loads(run("quartus", "report", "project", "--json").stdout)["m9k"] == 1034
+    assert "1,034" in run("quartus", "report", "project").stdout
     Path("project/output_files/cornerstream.fit.rpt").write_text("something else")
-    assert json.loads(run("report", "--quartus", "project", "--json").stdout)["m9k"] is None
+    assert json.loads(run("quartus", "report", "project", "--json").stdout)["m9k"] is None
 
 
 def test_report_as_table() -> None:
     compiled()
     # a line may go on in the next one
-    text = " ".join(run("report", "--quartus", "project").stdout.split())
+    text = " ".join(run("quartus", "report", "project").stdout.split())
     for part in (
         "EP4CGX150CF23C8",
         "5,123",
@@ -290,7 +290,7 @@ def test_report_as_table() -> None:
 def test_older_versions() -> None:
     older = FIT.replace("Quartus Prime Version : 22.1std.0", "Quartus II 64-Bit Version : 10.1")
     compiled(older, STA.replace("Timing Analyzer", "TimeQuest Timing Analyzer"))
-    found = json.loads(run("report", "--quartus", "project", "--json").stdout)
+    found = json.loads(run("quartus", "report", "project", "--json").stdout)
     assert found["version"].startswith("Quartus 10.1 ") and found["setup_slack"] == 1.25
 
 
@@ -305,9 +305,9 @@ def test_older_versions() -> None:
 )
 def test_missed_timing_is_said_and_is_a_failure(slack: str, missed: str) -> None:
     compiled(sta=STA.replace(slack, " -2.500"))
-    result = run("report", "--quartus", "project", code=1)
+    result = run("quartus", "report", "project", code=1)
     assert result.stderr == f"Error: timing is not met: {missed}\n" and "5,123" in result.stdout
-    found = json.loads(run("report", "--quartus", "project", "--json", code=1).stdout)
+    found = json.loads(run("quartus", "report", "project", "--json", code=1).stdout)
     assert (found["timing_met"], found["missed"]) == (False, [missed])
     assert found["fmax_mhz"] == pytest.approx(1000 / (10.5 if slack == " 1.250" else 6.75))
 
@@ -315,17 +315,17 @@ def test_missed_timing_is_said_and_is_a_failure(slack: str, missed: str) -> None
 def test_without_a_period_there_is_slack_but_no_fmax() -> None:
     Path("project").mkdir()
     compiled()
-    found = json.loads(run("report", "--quartus", "project", "--json").stdout)
+    found = json.loads(run("quartus", "report", "project", "--json").stdout)
     reason = "no .sdc file of the project sets a period"
     assert (found["fmax_mhz"], found["no_fmax"], found["timing_met"]) == (None, reason, True)
-    result = run("report", "--quartus", "project")
+    result = run("quartus", "report", "project")
     assert "1.250 ns" in result.stdout and "MHz" not in result.stdout
     assert result.stderr == f"No Fmax: {reason}\n"
 
 
 def test_without_setup_slack_there_is_no_fmax() -> None:
     compiled(sta=STA.replace("Setup", "Recovery"))
-    found = json.loads(run("report", "--quartus", "project", "--json").stdout)
+    found = json.loads(run("quartus", "report", "project", "--json").stdout)
     assert found["no_fmax"] == "the Timing Analyzer's summary has no setup slack"
 
 
@@ -341,11 +341,11 @@ def test_without_timing_there_is_area_and_the_reason(sta: str | None, reason: st
     compiled(sta=sta or "")
     if sta is None:
         Path("project/output_files/cornerstream.sta.summary").unlink()
-    result = run("report", "--quartus", "project", code=1)
+    result = run("quartus", "report", "project", code=1)
     assert "5,123" in result.stdout and "MHz" not in result.stdout
     (line,) = result.stderr.splitlines()
     assert line.startswith("Error: timing is not known: ") and reason in line
-    found = json.loads(run("report", "--quartus", "project", "--json", code=1).stdout)
+    found = json.loads(run("quartus", "report", "project", "--json", code=1).stdout)
     assert (found["le"], found["fmax_mhz"], found["timing_met"]) == (5123, None, None)
     assert reason in found["no_fmax"]
 
@@ -367,14 +367,14 @@ def without(text: str, line: str) -> str:
 )
 def test_foreign_reports(fit: str, sta: str, message: str) -> None:
     compiled(fit, sta)
-    assert message in run("report", "--quartus", "project", code=2).stderr
+    assert message in run("quartus", "report", "project", code=2).stderr
 
 
 def test_missing_reports() -> None:
-    assert "nowhere is no folder" in run("report", "--quartus", "nowhere", code=2).stderr
-    run("export", "-o", "project", *SIZE)
+    assert "nowhere is no folder" in run("quartus", "report", "nowhere", code=2).stderr
+    run("quartus", "export", "-o", "project", *SIZE)
     message = "no *.fit.summary in project and project/output_files; allowed: one, of a compiled"
-    assert message in run("report", "--quartus", "project", code=2).stderr
+    assert message in run("quartus", "report", "project", code=2).stderr
     compiled()
     Path("project/other.fit.summary").write_text(FIT)
-    assert "2 files *.fit.summary in" in run("report", "--quartus", "project", code=2).stderr
+    assert "2 files *.fit.summary in" in run("quartus", "report", "project", code=2).stderr

@@ -1,4 +1,4 @@
-"""``cornerstream tables``: the comparison page, and every figure of ours on it."""
+"""``cornerstream compare``: the comparison page, and every figure of ours on it."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ CACHE = Path("build") / "comparison"
     show_default="processors",
     help="Builds measured at a time; each takes about 1 GB.",
 )
-def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool, jobs: int) -> None:
+def compare(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool, jobs: int) -> None:
     """Measure area, speed and clocks per frame of every build, and set them beside the paper's
     Tables 1 to 4.
 
@@ -49,9 +49,9 @@ def tables(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool
 
     \b
     Examples:
-      cornerstream tables
-      cornerstream tables --quick
-      cornerstream tables --page
+      cornerstream compare
+      cornerstream compare --quick
+      cornerstream compare --page
     """
     measuring = "without --page, which measures nothing"
     refuse_idle(*(Idle(name, page_only, measuring) for name in ("quick", "no_synthesis", "jobs")))
