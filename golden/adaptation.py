@@ -1,17 +1,17 @@
 """Adaptation to the frame before: the D that a wanted number of its corners exceed.
 
-With a target that is the next frame's T1; with a rank it is Dref, of which T1 is a fraction.
+With a target, this D is the next frame's T1; with a rank, it is Dref, of which T1 is a fraction.
 
-All corners of a frame that the texture filter keeps, however small their D, are counted into a
-histogram of D. Its bins are those of a floating-point number: four to the octave, twice as wide
-from octave to octave; below the lowest octave four more of that one's width. The threshold is read
-off it: from the largest D downwards the bins are added up to the one in which the number is
-exceeded, and within that, as if its corners lay evenly, to 1/32 of its width.
+All corners that the texture filter accepts, however small their D is, are counted in a histogram of
+D. Its bins are those of a floating-point number: four to the octave, twice as wide in each octave
+as in the one below; and below the lowest octave, four more of the same width. The threshold is read
+from it: the bins are added up from the largest D downwards to the one in which the wanted number is
+exceeded. The place within that bin is found to 1/32 of its width, as if its corners lay evenly.
 
-The histogram does not depend on T1, so there is no loop that could swing: what comes out is a
-function of the last complete frame and the number alone. If the next frame has the same corners, it
-misses a target by no more than are in that bin. ``Settings.smoothing`` averages over frames: then
-it follows slowly.
+The histogram does not depend on T1, so there is no control loop that could oscillate: the result is
+a function of the last complete frame and the wanted number alone. If the next frame has the same
+corners, it misses a target by no more corners than are in that bin. With ``Settings.smoothing``,
+the result follows the frames slowly.
 """
 
 from __future__ import annotations
@@ -25,23 +25,24 @@ from golden.preprocessing import IntArray
 
 BINS_PER_OCTAVE = 4
 MAX_OCTAVES = 11
+"""Most octaves with bins of their own."""
 STEPS = 5
-"""Bits of the place within a bin."""
+"""Bits of the place within a bin: 1/32 of its width."""
 COUNT_MAX = (1 << BUDGET_BITS) - 1
-"""Where the count in a bin stops, as no target is larger."""
+"""Largest count of a bin; no target is larger."""
 
 
 def octaves(parameters: Parameters) -> int:
-    """Octaves of D below full scale that have bins of their own.
+    """Number of octaves of D below full scale that have bins of their own.
 
-    The smallest bin is 8 wide; 16 with signed gradients of 8-bit pixels, twice as much with each
-    bit of D more.
+    The smallest bin is 8 wide. With signed gradients of 8-bit pixels it is 16 wide, and twice as
+    wide with each further bit of D.
     """
     return min(MAX_OCTAVES, parameters.response_bits - 5)
 
 
 def bins(parameters: Parameters) -> int:
-    """Of the histogram: four of each octave, and four for all that is smaller."""
+    """Number of bins: four for each octave, and four for all that is smaller."""
     return BINS_PER_OCTAVE * (octaves(parameters) + 1)
 
 
@@ -62,10 +63,11 @@ def histogram(responses: IntArray, parameters: Parameters) -> NDArray[np.int64]:
 
 
 def adapted_threshold(counts: NDArray[np.int64], target: int, parameters: Parameters) -> int:
-    """The D that about ``target`` corners exceed; 0 if there are no more than that.
+    """The D that about ``target`` corners exceed; 0 if there are no more corners than that.
 
-    need is how many are wanted of the bin that is looked at, and is smaller than its count in the
-    one where the descent ends. How much of that is wanted is found as a divider finds its bits.
+    ``need`` is the number of corners that are wanted of the bin at hand; in the bin where the
+    descent ends it is smaller than the count. need / count is then found bit by bit, as in a
+    divider.
     """
     edges = bin_edges(parameters)
     need = target
@@ -83,5 +85,5 @@ def adapted_threshold(counts: NDArray[np.int64], target: int, parameters: Parame
 
 
 def smoothed(previous: int, adapted: int, smoothing: int) -> int:
-    """What is used of ``adapted``: 1/2**smoothing of the way there, rounded down."""
+    """1/2**smoothing of the way from the previous value to the adapted one, rounded down."""
     return previous + ((adapted - previous) >> smoothing)

@@ -1,4 +1,4 @@
-"""The algorithm: what decides which corners there are and where, whatever the size; its profiles."""
+"""The algorithm, which decides what corners there are and where, whatever the size; profiles."""
 
 from __future__ import annotations
 

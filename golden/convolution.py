@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from golden.preprocessing import IntArray
 
 TAPS = (1, 2, 2, 2, 1)
-"""One dimension of the kernel. Eq. 1 is outer(TAPS, TAPS) / 64; its lone 19/512 is read as 16/512,
-which makes it symmetric, and sum to exactly 1.
+"""One dimension of the kernel. Eq. 1 is outer(TAPS, TAPS) / 64. Its single 19/512 is read as
+16/512, which makes the kernel symmetric and its sum exactly 1.
 """
 SHIFT = 6
 """The two-dimensional kernel is scaled by 64."""

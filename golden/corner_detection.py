@@ -13,13 +13,13 @@ from golden.preprocessing import IntArray
 
 
 def corner_detection(response: IntArray, t1: int, ties: Ties, radius: int = 1) -> NDArray[np.bool_]:
-    """E(x, y): D > T1 and D > gamma, the largest of its neighbours in the (2r+1)x(2r+1) square; 8
-    of them with r = 1.
+    """E(x, y): D > T1 and D > gamma, the largest neighbour in the (2r+1)x(2r+1) square around it.
 
-    Eq. 5 prints ``sigma1 > D``; small responses are to be thresholded away, so it is read as D >
-    T1. With ``ties="first"`` neighbours later in raster order may be equal.
+    With r = 1 there are eight neighbours, as in Eqs. 3 and 4. Eq. 5 prints ``sigma1 > D``, but
+    small responses shall be removed, so it is read as D > T1. With ``ties="first"``, neighbours
+    that are later in raster order may be equal.
 
-    Takes (height, width), returns (height-2r, width-2r): the outermost responses lack neighbours.
+    (height, width) responses in, (height-2r, width-2r) out: the outermost ones lack neighbours.
     """
     height, width = (side - 2 * radius for side in response.shape)
     before, after, across = range(radius), range(radius + 1, 2 * radius + 1), range(2 * radius + 1)

@@ -1,6 +1,4 @@
-"""Corners as Python has them: columns of numbers, chosen from, thinned out, compared and written
-down.
-"""
+"""Corners as columns of numbers, which can be selected, thinned out, compared and written down."""
 
 from __future__ import annotations
 
@@ -28,8 +26,8 @@ class Flag(IntFlag):
 
 
 class ByValue:
-    """Equality for dataclasses that hold arrays: that of all values. They have no hash, as arrays
-    can change.
+    """Equality for dataclasses that hold arrays: all values are equal. They have no hash, because
+    arrays can change.
     """
 
     def __eq__(self, other: object) -> bool:
@@ -55,15 +53,16 @@ _KINDS: dict[str, tuple[type[np.generic], ...]] = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Corners(ByValue):
-    """Corners in raster order, as parallel arrays of one length; empty arrays where there are none.
+    """Corners in raster order, as arrays of one length; empty arrays where there are none.
 
-    Two of them are equal if all their values are. A slice, a mask or an array of indices chooses
-    some: ``corners[corners.accepted]``.
+    Two ``Corners`` are equal if all their values are. A slice, a mask or an array of indices
+    selects some of them: ``corners[corners.accepted]``.
 
     Attributes
     ----------
     x, y
-        float64 position in pixels, the first pixel's centre at (0, 0), exact multiples of 1/128.
+        float64 position in pixels, exact multiples of 1/128; the centre of the first pixel is (0,
+        0).
     response
         int64 corner response D (float64 from the float reference, whose x and y are not quantised
         either).
@@ -73,7 +72,7 @@ class Corners(ByValue):
     Raises
     ------
     TypeError, ValueError
-        An attribute is no array, or one of other numbers; or the arrays are not of one length.
+        An attribute is no array, or has another dtype; or the arrays are not of one length.
     """
 
     x: NDArray[np.float64]
@@ -111,19 +110,17 @@ class Corners(ByValue):
 
     @property
     def accepted(self) -> NDArray[np.bool_]:
-        """True where the texture filter let the corner pass."""
+        """True where the texture filter accepts the corner."""
         return (self.flags & Flag.TEXTURED) == 0
 
     def points(self) -> NDArray[np.float32]:
-        """The accepted corners as OpenCV takes them: (N, 1, 2) float32, x before y."""
+        """The accepted corners in OpenCV's form: (N, 1, 2) float32, x before y."""
         points = np.empty((int(self.accepted.sum()), 1, 2), np.float32)
         points[:, 0, 0], points[:, 0, 1] = self.x[self.accepted], self.y[self.accepted]
         return points
 
     def to_dict(self) -> dict[str, NDArray[Any]]:
-        """Columns by name, as ``pandas.DataFrame`` takes them: x, y, response, and flags as
-        booleans.
-        """
+        """Columns by name, for ``pandas.DataFrame``: x, y, response, and each flag as booleans."""
         return {
             "x": self.x,
             "y": self.y,
@@ -143,7 +140,7 @@ class Corners(ByValue):
         Parameters
         ----------
         target
-            A path, or a text file that is open for writing; None: the text is returned.
+            A path, or a text file that is open for writing. None: the text is returned.
         """
         columns = self.to_dict()
         text = io.StringIO()
@@ -161,17 +158,16 @@ class Corners(ByValue):
         return None
 
     def apart(self, distance: float) -> Corners:
-        """Without each accepted corner that is nearer than ``distance`` pixels to a stronger one
-        that stays.
+        """The corners without each accepted one that is nearer than ``distance`` pixels to a
+        stronger one that stays.
 
-        From the strongest to the weakest (of equal responses the first in raster order is looked at
-        first), a corner stays if none that already stays is nearer. Corners that the texture filter
-        rejected neither count nor go. The rest are in raster order as before. In hardware there is
-        no such step: it keeps only peaks apart (``Parameters.suppression``), and refined positions
-        may lie nearer to each other.
+        From the strongest to the weakest, a corner stays if none that already stays is nearer; of
+        equal responses, the first in raster order comes first. Rejected corners stay, and displace
+        none. The order remains raster order. The hardware has no such step: it only separates peaks
+        (``Algorithm.suppression``), and refined positions may be nearer to each other.
 
-        Each is compared with those in the nine cells around it of a grid as wide as the distance,
-        where a cell holds few: n·log n steps for n corners, by sorting.
+        Each corner is compared with those in the nine cells around it of a grid as wide as the
+        distance; a cell holds few, so that n corners take n·log n steps, those of sorting.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""What a refinement step solves for the corner's offset: five numbers, wherever they come from."""
+"""The five numbers of which every subpixel step solves a corner's offset."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ class Derivatives(NamedTuple, Generic[T]):
         [ xx  -xy] [dx]   [x]
         [-xy   yy] [dy] = [y]
 
-    Of a fitted surface: its second derivatives at the centre pixel, those along an axis negated,
-    and its slopes: xx = -2 L0, yy = -2 L1, xy = L2, x = L3, y = L4. At a maximum xx and yy are
-    positive. Of the gradient step: half of the squared distances' derivatives; see
-    ``golden.normal_equations``.
+    For a fitted surface, they are its second derivatives at the centre pixel (those along an axis
+    negated) and its slopes: xx = -2 L0, yy = -2 L1, xy = L2, x = L3, y = L4. At a maximum xx and yy
+    are positive. For the gradient step, they are the sums of ``golden.normal_equations``, half of
+    the derivatives of the squared distances.
     """
 
     xx: T

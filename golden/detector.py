@@ -1,4 +1,4 @@
-"""The detector on images and on streams of frames; what it does with each is ``golden.frame``."""
+"""The detector on one image and on a stream of frames, by the steps of ``golden.frame``."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from golden.thresholds import Thresholds
 
 
 def pixel_dtype(parameters: Parameters) -> np.dtype[np.unsignedinteger[Any]]:
-    """What an image consists of: uint8, or uint16 for more than 8 pixel bits."""
+    """The dtype of images: uint8, or uint16 for more than 8 pixel bits."""
     return np.dtype(np.uint8 if parameters.pixel_bits <= 8 else np.uint16)
 
 
 def chosen_parameters(parameters: Parameters | None) -> Parameters:
     """The detector that was asked for, by default the profile ``robust``; ``TypeError`` if it is
-    something else.
+    none.
     """
     if parameters is None:
         return Parameters()
@@ -35,8 +35,8 @@ def chosen_parameters(parameters: Parameters | None) -> Parameters:
 
 
 def chosen_settings(settings: Settings | None, parameters: Parameters) -> Settings:
-    """The thresholds that were asked for; ``TypeError`` or ``ValueError`` if this detector cannot
-    have them.
+    """The settings that were asked for, by default ``Settings.default``; ``TypeError`` or
+    ``ValueError`` if this detector cannot have them.
     """
     if settings is None:
         return Settings.default(parameters)
@@ -46,9 +46,7 @@ def chosen_settings(settings: Settings | None, parameters: Parameters) -> Settin
 
 
 def check_image(image: object, parameters: Parameters) -> Image:
-    """The image itself if this detector can take it, else ``TypeError`` or ``ValueError`` saying
-    why.
-    """
+    """The image itself; ``TypeError`` or ``ValueError`` if this detector cannot take it."""
     check_type("parameters", parameters, Parameters)
     if not isinstance(image, np.ndarray) or isinstance(image, (np.ma.MaskedArray, np.matrix)):
         raise TypeError(f"image is a {type(image).__name__}; allowed: a plain NumPy array")
@@ -77,24 +75,25 @@ def detect(
     *,
     reference: int | None = None,
 ) -> Corners:
-    """Corners of one image, bit by bit what the hardware reports.
+    """Corners of one image, bit by bit as the hardware reports them.
 
     Parameters
     ----------
     image
         (height, width) uint8 (uint16 for more than 8 pixel bits), 15x15 up to the built maximum.
     parameters, settings
-        The detector and its thresholds; by default the profile ``robust`` and ``Settings.default``.
+        The detector and its settings; by default the profile ``robust`` and ``Settings.default``.
     reference
-        Dref. By default the constant if the settings say so, else the image's own largest D: what
-        the hardware uses from the second frame on while the scene stands still, and OpenCV's
-        ``qualityLevel``. ``target_corners`` and ``reference_rank`` are likewise those of the
-        image's own corners.
+        Dref. By default it is the constant if the settings say so, else the image's own largest D:
+        the hardware has the same Dref from the second frame on while the scene stands still, and
+        OpenCV's ``qualityLevel`` refers to it, too. ``target_corners`` and ``reference_rank``
+        likewise count the image's own corners.
 
     Raises
     ------
     TypeError, ValueError
-        Wrong type, dtype, rank or size; thresholds or reference that this detector cannot have.
+        The image has a wrong type, dtype, rank or size, or this detector cannot have such settings
+        or such a reference.
     """
     return detection(image, parameters, settings, reference=reference).corners
 
@@ -114,7 +113,7 @@ def detection(
     *,
     reference: int | None = None,
 ) -> Detection:
-    """As :func:`detect`, with reference and thresholds."""
+    """As :func:`detect`, and the reference and the thresholds beside the corners."""
     parameters = chosen_parameters(parameters)
     settings = chosen_settings(settings, parameters)
     image = check_image(image, parameters)
@@ -129,10 +128,20 @@ def detection(
 
 @dataclass(frozen=True, eq=False)
 class FrameResult(ByValue):
-    """One frame as the hardware delivers it: all its records, the last one marking its end.
+    """One frame of a stream, as the hardware delivers it.
 
-    ``found`` counts the corners that ``max_corners`` left out, too; ``t1`` is the threshold they
-    are above, ``t2`` that of the texture filter, and ``reference`` Dref.
+    Attributes
+    ----------
+    records
+        (n,) uint64: all records, with the end-of-frame record as the last one.
+    corners
+        The same without the end-of-frame record.
+    maximum
+        The largest D at which a corner may be, which is the next frame's reference.
+    found
+        Number of corners, with those that ``max_corners`` or ``max_records`` left out.
+    t1, t2, reference
+        The thresholds and Dref.
     """
 
     records: Records
@@ -145,10 +154,20 @@ class FrameResult(ByValue):
 
 
 class StreamModel:
-    """The detector on a stream of frames: each frame's largest D is the next one's reference.
+    """The detector on a stream of frames: the largest D of each frame is the next one's reference.
 
-    Likewise, where a target or a rank is set, a frame's corners decide about the next one's T1 or
-    reference. ``frame`` is the number of the next frame since reset.
+    Where a target or a rank is set, the corners of each frame decide the next one's T1 or
+    reference.
+
+    Parameters
+    ----------
+    parameters
+        The detector, by default the profile ``robust``.
+
+    Attributes
+    ----------
+    frame
+        Number of the next frame, from 0 after a reset.
     """
 
     def __init__(self, parameters: Parameters | None = None) -> None:
@@ -156,13 +175,13 @@ class StreamModel:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the previous frame and start counting from 0, as a hardware reset does."""
+        """Forget the previous frame, and count frames from 0 again, as a hardware reset does."""
         self.frame = 0
         self._history = History()
 
     @property
     def history(self) -> History:
-        """What the next frame follows."""
+        """What the next frame takes from the last complete one."""
         return self._history
 
     def process(
@@ -172,14 +191,20 @@ class StreamModel:
         *,
         max_records: int = NO_LIMIT,
     ) -> FrameResult:
-        """Next frame of the stream; raises what :func:`detect` raises.
+        """Next frame of the stream.
 
         Parameters
         ----------
         image, settings
             As for :func:`detect`.
         max_records
-            Corners reported, at most, accepted or not, as the register MAX_RECORDS has it.
+            Largest number of corners reported, accepted or not, as the register MAX_RECORDS sets
+            it.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As for :func:`detect`; or ``max_records`` is not allowed.
         """
         frame = self._begin(image, settings)
         check_integer("max_records", max_records, 0, NO_LIMIT)
@@ -187,7 +212,7 @@ class StreamModel:
         found = frame.records(limits)
         records = frame.within_budget(found)[:max_records]
         end = encode_frame_end(FrameEnd(len(records), self.frame, frame.maximum))
-        self._history = frame.following(limits, self._history)
+        self._history = frame.next_history(limits, self._history)
         self.frame += 1
         words = np.append(records, np.uint64(end))
         return FrameResult(words, decode(records), frame.maximum, len(found), *limits, reference)
@@ -195,10 +220,17 @@ class StreamModel:
     def cut(
         self, image: NDArray[np.unsignedinteger[Any]], settings: Settings | None = None, *, pixels: int
     ) -> Records:
-        """Next frame of the stream, of which only the first so many pixels came, in raster order.
+        """Next frame of the stream, which is cut short; the history stays as it is.
 
-        Returns the records of the corners that these decide, without an end. The next frame follows
-        the same history as this one.
+        Parameters
+        ----------
+        image, settings
+            As for :func:`detect`; the pixels that did not come can be anything.
+        pixels
+            Number of pixels that came, in raster order.
+
+        Returns the records of the corners that these pixels decide, without an end-of-frame record.
+        Raises what :meth:`process` raises.
         """
         frame = self._begin(image, settings)
         _, limits = frame.thresholds(self._history)

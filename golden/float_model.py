@@ -1,12 +1,12 @@
 """The whole algorithm once more in plain float64, for reading beside the paper.
 
-Nothing is rounded: no integer square root, no rounding after the kernel, no quantised thresholds, a
-surface fit by linear algebra and no mantissas. Only the decisions (maximum, thresholds, clamp) are
-discrete, as in the paper itself. It shares no arithmetic with the bit-exact blocks, so that each
-can show up the other's mistakes.
+Nothing is rounded: there is no integer square root, no rounding after the kernel, no quantised
+threshold; surfaces are fitted by linear algebra, without mantissas. Only the decisions (maximum,
+thresholds, clamp) are discrete, as in the paper itself. The model shares no arithmetic with the
+bit-exact blocks, so that each can reveal the other's mistakes.
 
-Every map has the size of the image and is indexed ``[y, x]``; NaN where the frame's edge leaves it
-undefined.
+Every map has the size of the image and is indexed ``[y, x]``. It is NaN near the frame's edge,
+where it is undefined.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from golden.parameters import Parameters
 from golden.settings import Settings
 
 LEVEL_GAIN = 81 / 64
-"""Of the adaptive threshold: what the mean is multiplied by beside sigma2."""
+"""Factor of the mean in the adaptive threshold, beside sigma2."""
 
 Map = NDArray[np.float64]
 """(height, width) float64."""
@@ -46,7 +46,7 @@ KERNEL: Map = (
 """Eq. 1, with the misprinted 19/512 read as 16/512."""
 
 SOBEL: Map = np.array([[1, 0, -1], [2, 0, -2], [1, 0, -1]]) / 4
-"""Of gx, in the paper's sign; gy has it transposed."""
+"""Kernel of gx, with the paper's sign; that of gy is its transpose."""
 BINOMIAL: Map = np.array([[1, 2, 1], [2, 4, 2], [1, 2, 1]]) / 16
 
 GRID_Y, GRID_X = (axis.reshape(-1) - 1 for axis in np.mgrid[:3, :3])
@@ -81,7 +81,7 @@ def smooth(values: Map) -> Map:
 
 
 def response_map(image: NDArray[Any], gradient: Gradient, derivative: Derivative = "central") -> Map:
-    """D = (A + B) - sqrt((A - B)² + 4C²) (Eq. 2), defined 3 pixels and more from the edge."""
+    """D = (A + B) - sqrt((A - B)² + 4C²) (Eq. 2), defined from 3 pixels off the edge on."""
     gx, gy = gradients(image, derivative)
     if gradient == "absolute":
         gx, gy = np.abs(gx), np.abs(gy)
@@ -97,14 +97,12 @@ def binomial(responses: Map) -> Map:
 
 
 def local_mean(responses: Map, x: int, y: int) -> float:
-    """Of D over the 9x9 window around (x, y)."""
+    """Mean of D over the 9x9 window around (x, y)."""
     return float(responses[y - 4 : y + 5, x - 4 : x + 5].mean())
 
 
 def corner_map(responses: Map, t1: float, ties: Ties, radius: int = 1) -> NDArray[np.bool_]:
-    """E (Eqs. 3-5): D > T1 and D above its neighbours, wherever the 15x15 support lies in the
-    frame.
-    """
+    """E (Eqs. 3-5): D > T1 and D above its neighbours, where the 15x15 support is in the frame."""
     corners = np.zeros(responses.shape, dtype=bool)
     side = 2 * radius + 1
     samples = sliding_window_view(responses, (side, side))
@@ -120,10 +118,10 @@ def corner_map(responses: Map, t1: float, ties: Ties, radius: int = 1) -> NDArra
 
 
 def texturization(responses: Map, x: int, y: int, patches: Patches) -> float:
-    """tau of the corner at (x, y) (Eqs. 6-8): what the three patches of Fig. 5 differ by.
+    """tau of the corner at (x, y) (Eqs. 6-8): the difference of the three patches of Fig. 5.
 
-    Patch k is four regions, k pixels away along each diagonal; regions are compared pixel by pixel,
-    and a difference of regions is the mean over their pixels.
+    Patch k consists of four regions, k pixels away along each diagonal. Regions are compared pixel
+    by pixel, and their difference is the mean over these pixels.
     """
     reach = 1 if patches == "regions" else 0
 
@@ -145,7 +143,7 @@ def design_matrix(x: NDArray[Any], y: NDArray[Any]) -> Map:
 def surface(samples: Map, fit: Fit) -> Map:
     """L0 ... L5 of Eq. 10 for 3x3 samples of D.
 
-    ``"printed"`` is what Eqs. 11 and 12 say, and recovers no surface at all.
+    ``"printed"`` follows Eqs. 11 and 12, and recovers no surface at all.
     """
     flat = samples.reshape(9)
     six = list(SIX)
@@ -158,10 +156,10 @@ def surface(samples: Map, fit: Fit) -> Map:
 
 
 def peak(coefficients: Map, printed: bool = False) -> tuple[float, float, Flag]:
-    """(dx, dy) of Eq. 13 and what became of it; each axis is clamped to half a pixel.
+    """(dx, dy) of Eq. 13 and its flags; each axis is clamped to half a pixel.
 
-    (0, 0) where the surface has no maximum. ``printed`` keeps the misprint L2 for L3, and does not
-    ask for a maximum, as the paper does not.
+    It is (0, 0) where the surface has no maximum. ``printed`` leaves the misprint L2 for L3 and, as
+    the paper, does not ask for a maximum.
     """
     l0, l1, l2, l3, l4, _ = coefficients
     denominator = l2**2 - 4 * l0 * l1
@@ -175,11 +173,11 @@ def peak(coefficients: Map, printed: bool = False) -> tuple[float, float, Flag]:
 
 
 def gradient_step(pixels: NDArray[Any]) -> tuple[float, float, Flag]:
-    """(dx, dy) of the point to which the gradients of a 9x9 window of pixels are at right angles,
-    and its flags.
+    """(dx, dy) of the point q to which the gradients of a 9x9 window of pixels are orthogonal, and
+    its flags.
 
-    One equation g·(q - p) = 0 for each of the 49 pixels p, solved by least squares; clamped to 4
-    pixels.
+    There is one equation g·(q - p) = 0 for each of the 49 pixels p; they are solved by least
+    squares, and the result is clamped to 4 pixels.
     """
     gx, gy = (g[1:-1, 1:-1].reshape(-1) for g in gradients(pixels))
     v, u = (axis.reshape(-1) - 3 for axis in np.mgrid[:7, :7])
@@ -197,10 +195,11 @@ def reference_detect(
     *,
     reference: float | None = None,
 ) -> Corners:
-    """Corners of one image by the unrounded algorithm; arguments as :func:`golden.detect`.
+    """Corners of one image by the unrounded algorithm.
 
-    Positions are not quantised, and ``response`` is float64. A target is met exactly, where no
-    sigma1 · floor and no equal responses are in the way.
+    The arguments and what it raises are those of :func:`golden.detect`. Positions are not
+    quantised, and ``response`` is float64. A target is met exactly, unless sigma1 · floor or equal
+    responses prevent it.
     """
     parameters = chosen_parameters(parameters)
     settings = chosen_settings(settings, parameters)
@@ -219,7 +218,7 @@ def reference_detect(
     t1, t2 = settings.sigma1 * reference, settings.sigma2 * reference
 
     def judge(y: int, x: int, t1: float) -> tuple[float, bool]:
-        """Response that is reported, and whether the texture filter keeps the corner."""
+        """The response that is reported, and whether the texture filter accepts the corner."""
         if parameters.algorithm.texture == "mean":
             level = LEVEL_GAIN * local_mean(responses, x, y)
             value = float(peaks[y, x]) - settings.sigma2 * level

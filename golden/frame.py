@@ -1,16 +1,17 @@
 """One frame, an image in and records out, by the blocks of Fig. 9 in their order.
 
-1. Response map: D of every pixel, out of gradients, their products and smoothing (Eqs. 1, 2).
-2. Peaks: the responses whose maxima are corners, D or D smoothed.
-3. Reference: Dref, the frame before's largest response, or what the settings ask for.
+1. Response map: D of every pixel, from gradients, their products, smoothing and the square root
+   (Eqs. 1, 2).
+2. Peaks: the responses whose maxima are corners, D or a smoothed D.
+3. Reference: Dref, the largest response of the frame before, or what the settings ask for.
 4. Thresholds: T1 and T2, fractions of Dref.
-5. Corners: maxima above T1 (Eqs. 3-5), and which of them the texture filter accepts (Eqs. 6-9).
+5. Corners: the maxima above T1 (Eqs. 3-5), and which of them the texture filter accepts (Eqs. 6-9).
 6. Subpixel: the offset of each corner from its pixel (Eqs. 10-13).
-7. Records: 64 bits for each corner (Eqs. 14-17), as many as the budget allows.
-8. History: what the next frame's reference and thresholds follow.
+7. Records: 64 bits for each corner (Eqs. 14-17), no more than the budget allows.
+8. History: what the reference and the thresholds of the next frame depend on.
 
-Whoever works on frames takes these steps: ``golden.detector`` for an image by itself and for a
-stream of frames, and on top of that ``golden.video`` for frames that may be malformed.
+``golden.detector`` takes these steps for an image by itself and for a stream of frames;
+``golden.video`` builds on that stream.
 """
 
 from __future__ import annotations
@@ -37,47 +38,54 @@ from golden.textures import TEXTURES
 from golden.thresholds import Thresholds, choose_reference, thresholds
 
 RESPONSE_MARGIN = 3
-"""Pixels at each edge of a frame that have no response: gradient 1 and smoothing 2."""
+"""Pixels at each edge of a frame that have no response: 1 of the gradient, 2 of the smoothing."""
 _STRIP_ROWS = 32
 
 
 class History(NamedTuple):
-    """What a frame follows: the last complete frame's largest response, and the D that its target
-    or rank asks for. None where there is no such frame, or where it has neither target nor rank.
-    """
+    """What a frame takes from the last complete frame before it."""
 
     maximum: int | None = None
+    """The largest response of that frame; None: there is no such frame."""
     adapted: int | None = None
+    """The D that its target or rank asks for; None: it has neither."""
 
 
 class Candidates(NamedTuple):
-    """Maxima above T1 in raster order: arrays of one length, (n,).
-
-    x, y: whole pixels, the first one of the frame is (0, 0). response: what is reported.
-    accepted: True where the texture filter lets the corner pass.
-    """
+    """The maxima above T1 in raster order, as arrays of one length, (n,)."""
 
     x: NDArray[np.int64]
+    """Column of the pixel, from 0."""
     y: NDArray[np.int64]
+    """Row of the pixel, from 0."""
     response: IntArray
+    """The response that is reported."""
     accepted: NDArray[np.bool_]
+    """True where the texture filter accepts the corner."""
 
     def where(self, mask: NDArray[np.bool_]) -> Candidates:
-        """Those of a (n,) mask."""
+        """The candidates at which the (n,) mask is true."""
         return Candidates(self.x[mask], self.y[mask], self.response[mask], self.accepted[mask])
 
 
 class Frame:
-    """One frame on its way through the steps.
+    """One frame on its way through the steps; the first two are taken when it is made.
 
     Parameters
     ----------
     image
-        (height, width), as ``golden.check_image`` allows it.
+        (height, width) pixels, which ``golden.check_image`` has found good.
     parameters, settings
         The detector, and its settings in this frame.
     responses
-        D, (height-6, width-6), where it is not :func:`response_map` of the image.
+        (height-6, width-6), another D than :func:`response_map` of the image; None: that one.
+
+    Attributes
+    ----------
+    responses
+        D of every pixel that has one.
+    peaks
+        See :func:`peak_responses`.
     """
 
     def __init__(
@@ -94,39 +102,40 @@ class Frame:
         return int(self.peaks[radius:-radius, radius:-radius].max())
 
     def thresholds(self, history: History, reference: int | None = None) -> tuple[int, Thresholds]:
-        """Dref, unless it is given, and the thresholds that follow from it and from the history."""
+        """Dref and the thresholds; a ``reference`` that is given is Dref."""
         if reference is None:
             reference = choose_reference(self.settings, *history)
         return reference, thresholds(self.settings, reference, self.parameters, history.adapted)
 
     def own_thresholds(self, reference: int | None = None) -> tuple[int, Thresholds]:
-        """As :meth:`thresholds`, if the frame before was the same image."""
-        alike = History(self.maximum)
-        _, limits = self.thresholds(alike, reference)
-        return self.thresholds(self.following(limits, alike), reference)
+        """As :meth:`thresholds`, for an image that is its own history."""
+        itself = History(self.maximum)
+        _, limits = self.thresholds(itself, reference)
+        return self.thresholds(self.next_history(limits, itself), reference)
 
     def maxima(self, t1: int) -> NDArray[np.bool_]:
-        """E of all pixels at which a corner may be, (height-14, width-14)."""
+        """E (Eqs. 3-5) of the pixels at which a corner may be, (height-14, width-14)."""
         algorithm = self.parameters.algorithm
         return corner_detection(self.peaks, t1, algorithm.ties, algorithm.suppression)
 
     def candidates(self, limits: Thresholds) -> Candidates:
-        """The maxima above T1, and what the texture filter says of each."""
+        """The maxima above T1, and which of them the texture filter accepts."""
         algorithm = self.parameters.algorithm
         rows, columns = np.nonzero(self.maxima(limits.t1))
         windows = sliding_window_view(self.responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
         values = self.peaks[rows + algorithm.suppression, columns + algorithm.suppression]
-        accepted, values = TEXTURES[algorithm.texture](values, windows, limits, algorithm.patches)
+        judge = TEXTURES[algorithm.texture].judge
+        accepted, values = judge(values, windows, limits, algorithm.patches)
         return Candidates(columns + MARGIN, rows + MARGIN, values, accepted)
 
     def records(self, limits: Thresholds, *, pixels: int | None = None) -> Records:
-        """Records of the corners in raster order, :meth:`within_budget` or not.
+        """(n,) records of the corners in raster order, before :meth:`within_budget`.
 
         Parameters
         ----------
         pixels
-            Only the corners whose whole support lies in the frame's first so many pixels, in
-            raster order; None: all.
+            Number of pixels of the frame that have come, in raster order: only the corners whose
+            whole support lies in them have records. None: all pixels.
         """
         corners = self.candidates(limits)
         if pixels is not None:
@@ -143,27 +152,24 @@ class Frame:
         return encode(corners.x, corners.y, corners.response, offset, ~corners.accepted)
 
     def within_budget(self, records: Records) -> Records:
-        """Those of a frame's records that are reported: up to the last corner that ``max_corners``
-        allows to be accepted.
-        """
+        """The records up to the last accepted corner that ``max_corners`` allows."""
         limit = self.settings.max_corners
         if not limit:
             return records
         accepted = np.flatnonzero(decode(records).accepted)
         return records if len(accepted) < limit else records[: accepted[limit - 1] + 1]
 
-    def following(self, limits: Thresholds, history: History) -> History:
-        """The history that the next frame follows.
+    def next_history(self, limits: Thresholds, history: History) -> History:
+        """The history of the next frame; ``history`` is that of this frame, for ``smoothing``.
 
         A target or a rank counts the corners that the texture filter accepts, whatever
-        ``report_rejected`` and ``max_corners`` are. With a rank, the paper's filter is not asked:
-        T2 is a fraction of the Dref that comes out, and would make a loop of it.
-        ``history`` is the one before, for ``smoothing``.
+        ``report_rejected`` and ``max_corners`` are. A rank counts rejected corners, too, where T2
+        is a fraction of Dref: Dref would depend on itself.
         """
         if not self.settings.wanted_corners:
             return History(self.maximum)
         corners = self.candidates(limits._replace(t1=0))
-        if self.parameters.algorithm.texture == "mean" or not self.settings.by_rank:
+        if not (self.settings.by_rank and TEXTURES[self.parameters.algorithm.texture].by_reference):
             corners = corners.where(corners.accepted)
         counts = histogram(corners.response, self.parameters)
         adapted = adapted_threshold(counts, self.settings.wanted_corners, self.parameters)
@@ -175,7 +181,8 @@ class Frame:
 def response_map(image: Image, parameters: Parameters) -> IntArray:
     """D of every pixel that has one: (height, width) in, (height-6, width-6) int32 out.
 
-    Worked off in strips of rows, so that the intermediate arrays stay in the processor's cache.
+    The image is worked off in strips of rows, so that the intermediate arrays stay in the
+    processor's cache.
     """
     height, width = image.shape
     result = np.empty((height - 2 * RESPONSE_MARGIN, width - 2 * RESPONSE_MARGIN), dtype=np.int32)
@@ -188,10 +195,10 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
 
 
 def peak_responses(responses: IntArray, parameters: Parameters) -> IntArray:
-    """The responses whose peaks are corners: of all pixels that can be reported, and as far around
-    as that needs.
+    """The responses whose maxima are corners: D, or D after the response filter.
 
-    (height, width) in, (height - 8 + 2·suppression, width - 8 + 2·suppression) out.
+    They reach ``suppression`` pixels further than the pixels at which a corner may be: (height,
+    width) responses in, (height - 8 + 2·suppression, width - 8 + 2·suppression) out.
     """
     chosen = RESPONSE_FILTERS[parameters.algorithm.response_filter]
     edge = WINDOW_SIZE // 2 - parameters.algorithm.suppression - chosen.reach

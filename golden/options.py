@@ -1,7 +1,7 @@
 """Options: fields of a frozen dataclass, each with its default, what is allowed and a line of help.
 
-They are written beside the field and nowhere else: the checks, the command line and the pages are
-made from them.
+All of this is written beside the field and nowhere else. The checks and the command line are made
+from it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Option:
     kind
         ``str`` (one of ``choices``), ``int``, ``float`` or ``bool``.
     help
-        One line that needs no other to be understood.
+        One line, which can be understood by itself.
     choices
         What a ``str`` may be.
     low, high
@@ -58,15 +58,15 @@ class Option:
 
 
 def option(default: T, help: str, *, low: int = 0, high: int = 0) -> T:
-    """A field that is an option; its annotation (a ``Literal``, int, float or bool) says of what
-    kind. The bounds are those of :class:`Option`.
+    """A field that is an option. Its annotation, a ``Literal``, int, float or bool, is its kind;
+    the bounds are those of :class:`Option`.
     """
     return field(default=default, metadata={"help": help, "low": low, "high": high})
 
 
 @cache
 def options(owner: type) -> dict[str, Option]:
-    """The options of a dataclass by name, in the order of its fields: those of its parents first."""
+    """The options of a dataclass by name, in the order of its fields, its parents' first."""
     annotations = get_type_hints(owner)
     found: dict[str, Option] = {}
     for each in fields(owner):
@@ -79,9 +79,7 @@ def options(owner: type) -> dict[str, Option]:
 
 
 def check_options(frozen: object) -> None:
-    """Raise ``ValueError``, naming the field, its value and what is allowed, at the first option
-    that is set to something else.
-    """
+    """Raise ``ValueError`` for the first option whose value is not allowed."""
     # the type of any object is hashable, which mypy does not see
     for each in options(type(frozen)).values():  # type: ignore[arg-type]
         each.check(frozen)

@@ -61,7 +61,7 @@ CUT_SHIFT = 63
 
 
 class FrameEnd(NamedTuple):
-    """What an end-of-frame record says."""
+    """Fields of an end-of-frame record."""
 
     records: int
     frame: int
@@ -72,8 +72,9 @@ class FrameEnd(NamedTuple):
 def encode(
     x: IntArray, y: IntArray, response: IntArray, offset: Offset, textured: NDArray[np.bool_]
 ) -> Records:
-    """Records of corners at whole pixels (x, y): X = x + dx, Y = y + dy (Eqs. 14-17; x is added
-    once).
+    """(n,) uint64 records of corners at whole pixels (x, y): X = x + dx, Y = y + dy (Eqs. 14-17).
+
+    Eqs. 16 and 17 print the sum of x and Eq. 14, which has already added x; here it is added once.
     """
     x_fixed = (x.astype(np.int64) << OFFSET_BITS) + offset.dx
     y_fixed = (y.astype(np.int64) << OFFSET_BITS) + offset.dy
@@ -105,7 +106,7 @@ def encode_frame_end(end: FrameEnd) -> int:
 def decode(words: Records) -> Corners:
     """Corners of an array of 64-bit records, (n,) uint64; end-of-frame records are left out.
 
-    ``TypeError`` or ``ValueError`` for anything else: other types would not hold the same 64 bits.
+    ``TypeError`` or ``ValueError`` for anything else: other types do not hold the same 64 bits.
     """
     if not isinstance(words, np.ndarray):
         raise TypeError(f"records are a {type(words).__name__}; allowed: a NumPy array of uint64")
@@ -114,8 +115,8 @@ def decode(words: Records) -> Corners:
     if words.ndim != 1:
         raise ValueError(f"records have shape {words.shape}; allowed: (n,)")
     flags = (words >> np.uint64(FLAG_SHIFT)).astype(np.uint8)
-    keep = (flags & END_OF_FRAME) != END_OF_FRAME
-    words, flags = words[keep], flags[keep]
+    corners = (flags & END_OF_FRAME) != END_OF_FRAME
+    words, flags = words[corners], flags[corners]
 
     def field(shift: int, bits: int) -> NDArray[np.int64]:
         return ((words >> np.uint64(shift)) & np.uint64((1 << bits) - 1)).astype(np.int64)

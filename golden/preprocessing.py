@@ -1,6 +1,4 @@
-"""Preprocessing (Sec. 3.1): gradients, and the products A, B, C of which the structure tensor is
-made.
-"""
+"""Preprocessing (Sec. 3.1): gradients, and the products A, B, C of the structure tensor."""
 
 from __future__ import annotations
 
@@ -21,11 +19,12 @@ def gradients(image: Image, derivative: Derivative = "central") -> tuple[IntArra
 
         gx = I(x-1, y) - I(x+1, y)        gy = I(x, y-1) - I(x, y+1)
 
-    With ``"sobel"`` each is the mean of itself and its neighbours across, with weights 1 2 1,
-    rounded to nearest, halves away from zero: no larger than a pixel either, and mirrored images
-    have mirrored gradients.
+    With ``"sobel"``, each is the mean of this difference and the two beside it, across its
+    direction, with weights 1 2 1, rounded to nearest, halves away from zero. It is no larger than a
+    pixel either, and mirrored images have mirrored gradients.
 
-    Returns two (..., height-2, width-2) int16 arrays: the outermost pixels have no gradient.
+    (..., height, width) pixels in, two (..., height-2, width-2) int16 arrays out: the outermost
+    pixels have no gradient.
     """
     pixels = image.astype(np.int16)
     if derivative == "sobel":

@@ -1,9 +1,9 @@
-"""Response filter: D smoothed once more, so that its peaks stay where they are.
+"""Response filter: D is smoothed once more, so that its peaks stay where they are.
 
 Squares of differences have finer detail than the pixels can carry: which of two neighbouring
-responses is the larger is often a matter of noise, or of how the image lies in the grid of pixels.
-A small binomial kernel takes that away, and merges the peaks that D may have on either side of a
-saddle.
+responses is the larger one often depends on noise, or on how the image lies in the grid of pixels.
+A small binomial kernel removes this detail, and merges the peaks that D may have on either side of
+a saddle.
 """
 
 from __future__ import annotations
@@ -16,18 +16,20 @@ from golden.preprocessing import IntArray
 
 
 def response_filter(responses: IntArray) -> IntArray:
-    """S out of D: (height, width) in, (height-2, width-2) out.
+    """S from D: (height, width) in, (height-2, width-2) out.
 
-    The mean over 3x3 with weights [1 2 1]ᵀ[1 2 1], rounded to nearest, halves up; no wider than D.
+    S is the mean over 3x3 responses with weights [1 2 1]ᵀ[1 2 1], rounded to nearest, halves up; it
+    has no more bits than D.
     """
     down = responses[:-2] + 2 * responses[1:-1] + responses[2:]
     return (down[:, :-2] + 2 * down[:, 1:-1] + down[:, 2:] + 8) >> 4
 
 
 class ChosenFilter(NamedTuple):
-    """A response filter: by how many pixels it makes each side shorter, and what it does."""
+    """A response filter, as a frame uses it."""
 
     reach: int
+    """Pixels that are lost at each edge."""
     apply: Callable[[IntArray], IntArray]
 
 

@@ -174,7 +174,7 @@ class Settings:
 
     @property
     def wanted_corners(self) -> int:
-        """Number of corners that exceed the D which one frame leaves to the next; 0: it leaves none."""
+        """Number of corners that exceed the D left to the next frame; 0: none is left."""
         return self.target_corners or self.reference_rank
 
     @property

@@ -1,6 +1,4 @@
-"""Integer square root: Li and Chu's non-restoring algorithm, and a fast equal of it for whole
-images.
-"""
+"""Integer square root: Li and Chu's non-restoring algorithm, and a fast function that equals it."""
 
 from __future__ import annotations
 
@@ -9,9 +7,9 @@ from numpy.typing import NDArray
 
 
 def li_chu(radicand: NDArray[np.int64], result_bits: int) -> NDArray[np.int64]:
-    """Floor square root of ``radicand`` < 4**result_bits, digit by digit as the hardware does it.
+    """Floor square root of ``radicand`` < 4**result_bits, bit by bit as the hardware finds it.
 
-    Each step takes two radicand bits d and adds or subtracts once (Li and Chu 1996):
+    Each step takes two bits d of the radicand, and adds or subtracts once (Li and Chu 1996):
 
         r >= 0:  r' = (4r + d) - (4q + 1)
         r <  0:  r' = (4r + d) + (4q + 3)
@@ -28,10 +26,10 @@ def li_chu(radicand: NDArray[np.int64], result_bits: int) -> NDArray[np.int64]:
 
 
 def floor_sqrt(radicand: NDArray[np.float64]) -> NDArray[np.int32]:
-    """Floor square root of whole numbers below 2**46, held exactly in float64.
+    """Floor square root of whole numbers below 2**46, which float64 holds exactly.
 
-    IEEE 754 rounds the root correctly. The closest it can come to an integer k from below is
-    sqrt(k² - 1) = k - 1/(2k), and 1/(2k) >= 2**-24 is far more than half a unit in the last place
-    of k <= 2**23, so truncation gives the floor.
+    IEEE 754 rounds the root correctly. The root closest to an integer k from below is sqrt(k² - 1)
+    = k - 1/(2k), and 1/(2k) >= 2**-24 is far more than half a unit in the last place of k <= 2**23,
+    so truncation gives the floor.
     """
     return np.sqrt(radicand).astype(np.int32)

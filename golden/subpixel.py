@@ -1,4 +1,4 @@
-"""Subpixel refinement (Sec. 3.4): the peak of a quadratic surface fitted to the 3x3 responses, or a
+"""Subpixel refinement (Sec. 3.4): the peak of a quadratic surface through 3x3 responses, or a
 gradient step.
 """
 
@@ -25,7 +25,7 @@ Int64 = NDArray[np.int64]
 class Surface(NamedTuple):
     """f(x, y) = L0 x² + L1 y² + L2 xy + L3 x + L4 y + L5 (Eq. 10), times a positive whole scale.
 
-    L5 does not move the peak and is left out.
+    L5 does not move the peak, and is left out.
     """
 
     l0: Int64
@@ -37,22 +37,22 @@ class Surface(NamedTuple):
 
 @dataclass(frozen=True)
 class Offset:
-    """Corner relative to the centre pixel: dx, dy in 1/128 pixel within ±:attr:`SubpixelFit.limit`,
-    and what became of it.
-
-    clamped: it lies the limit away or more, along x or y. not_maximum: the surface has no peak, or
-    all gradients are parallel.
-    """
+    """Place of corners relative to their pixels."""
 
     dx: Int64
+    """In 1/128 pixel, within ±:attr:`SubpixelFit.limit`."""
     dy: Int64
+    """Likewise."""
     clamped: NDArray[np.bool_]
+    """The corner lies as far away as the limit or farther, along x or y."""
     not_maximum: NDArray[np.bool_]
+    """The surface has no maximum, or all gradients are parallel; dx and dy are 0."""
 
 
 def fit_nine(s: IntArray) -> Surface:
-    """Least squares over the nine samples (..., 3, 3), times 12. Sums only: x, y are -1, 0, 1 on
-    the grid.
+    """Least squares over the nine samples (..., 3, 3), times 12.
+
+    It consists of sums only, because x and y are -1, 0 or 1 on the grid.
     """
     s = s.astype(np.int64)
     left, middle, right = s[..., 0].sum(-1), s[..., 1].sum(-1), s[..., 2].sum(-1)
@@ -73,9 +73,7 @@ def _six_samples(s: IntArray) -> tuple[Int64, ...]:
 
 
 def fit_six(s: IntArray) -> Surface:
-    """The one surface through the paper's six samples, times 2: the inverse of the true design
-    matrix.
-    """
+    """The surface through the paper's six samples, times 2, by the inverse of the design matrix."""
     s0, s3, s5, s7, s2, s6 = _six_samples(s)
     return Surface(
         l0=s0 - s2 - 2 * s3 + 2 * s5 + 2 * s6 - 2 * s7,
@@ -87,8 +85,9 @@ def fit_six(s: IntArray) -> Surface:
 
 
 def fit_printed(s: IntArray) -> Surface:
-    """L = (Vx · Vy) S with the two ``vander`` matrices of Eqs. 11 and 12, times 6: rank 3, no fit
-    at all.
+    """L = (Vx · Vy) S with the two ``vander`` matrices of Eqs. 11 and 12, times 6.
+
+    The product has rank 3, so this is no fit at all.
     """
     x, y = np.array([-1, -1, 1, 0, 1, -1]), np.array([-1, 0, 0, 1, -1, 1])
     weights = np.vander(x) @ np.vander(y)
@@ -131,7 +130,7 @@ class SubpixelFit:
 
 
 def _by_surface(fit: Callable[[IntArray], Surface], printed: bool = False) -> SubpixelFit:
-    """A surface means nothing beyond half a pixel."""
+    """The peak of a surface: it means nothing beyond half a pixel."""
     # each value is a weighted sum of the samples: it is largest where only those with weights of
     # one sign are not zero
     units = np.eye(9, dtype=np.int64).reshape(9, 3, 3)
@@ -178,8 +177,9 @@ def mantissas(values: Derivatives[Int64], bits: int, mantissa_bits: int) -> Deri
     """The five values as block floating point: ``mantissa_bits`` and a sign each, all with one
     exponent.
 
-    The peak depends on ratios only. So all are shifted up until the largest, of ``bits`` bits at
-    most, is at the top, or until nothing would be lost, and cut (rounded down).
+    The peak depends on ratios only. So all values are shifted up until the largest, which has
+    ``bits`` bits at most, is at the top, or until nothing would be lost; then they are rounded
+    down.
     """
     low = max(bits - mantissa_bits, 0)
     largest = np.maximum.reduce([np.where(value < 0, ~value, value) for value in values])
@@ -200,13 +200,13 @@ def peak(
         dx = (2 L1 L3 - L2 L4) / (L2² - 4 L0 L1) = (yy·x + xy·y) / (xx·yy - xy²)
         dy = (2 L0 L4 - L2 L3) / (L2² - 4 L0 L1) = (xx·y + xy·x) / (xx·yy - xy²)
 
-    Where a curvature or the denominator has the wrong sign the offset is (0, 0); beyond the limit,
+    Where a curvature or the denominator has the wrong sign, the offset is (0, 0). Beyond the limit,
     in 1/128 pixel, it is clamped, each axis for itself. ``bits`` is the width of the largest value
     (:func:`derivative_bits`), ``mantissa_bits`` that of the factors.
 
-    ``printed`` leaves the misprint 2 L1 L2 in the first numerator and, as the paper, does not
-    ask for a maximum: Eqs. 11 and 12 turn nearly every corner into a surface without one. It is clamped
-    all the same.
+    ``printed`` leaves the misprint 2 L1 L2 in the first numerator and, as the paper, does not ask
+    for a maximum: Eqs. 11 and 12 turn nearly every corner into a surface without one. The offset is
+    clamped all the same.
     """
     xx, yy, xy, x, y = mantissas(values, bits, mantissa_bits)
     denominator = xx * yy - xy * xy

@@ -1,4 +1,4 @@
-"""Non-textured corner filter (Eqs. 6-9): rejects corners inside complex texture."""
+"""Non-textured corner filter (Eqs. 6-9): it rejects corners inside complex texture."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ _CENTRE = WINDOW_SIZE // 2
 
 
 def patch(windows: IntArray, k: int, patches: Patches) -> IntArray:
-    """Patch k = 1, 2, 3 of Fig. 5: its four regions, as (..., 4, side, side).
+    """The four regions of patch k = 1, 2, 3 of Fig. 5, as (..., 4, side, side).
 
-    ``"regions"``: the 3x3 regions at the corners of the (2k+3)x(2k+3) square, that is centred k
-    pixels away along each diagonal; ``"pixels"``: just those centres. The figure itself is not
-    public: an assumption.
+    ``"regions"``: the 3x3 regions at the corners of the (2k+3)x(2k+3) square; their centres are k
+    pixels away along each diagonal. ``"pixels"``: these centres only. This is an assumption, since
+    the figure itself is not public.
     """
     reach = 1 if patches == "regions" else 0
     regions = []
@@ -30,11 +30,11 @@ def patch(windows: IntArray, k: int, patches: Patches) -> IntArray:
 
 
 def texturization(windows: IntArray, patches: Patches) -> IntArray:
-    """tau = tau12 + tau23 of (..., 9, 9) response windows; returns (...).
+    """tau = tau12 + tau23 of (..., 9, 9) response windows: shape (...).
 
-    tau_ab = sum of |patch a - patch b| over the four regions, pixel by pixel. The mean over a
-    region's pixels would divide by 9; instead tau stays scaled by ``Parameters.pixels_per_region``
-    and so does T2.
+    tau_ab is the sum of |patch a - patch b| over the four regions, pixel by pixel. The mean over
+    the pixels of a region would need a division by 9; instead, tau and T2 stay multiplied by
+    ``Parameters.pixels_per_region``.
     """
     first, second, third = (patch(windows, k, patches) for k in (1, 2, 3))
     tau12 = np.abs(first - second).sum(axis=(-3, -2, -1))
@@ -43,5 +43,5 @@ def texturization(windows: IntArray, patches: Patches) -> IntArray:
 
 
 def texture_filter(windows: IntArray, t2: int, patches: Patches) -> NDArray[np.bool_]:
-    """F = tau < T2 (Eq. 9) of (..., 9, 9) response windows: true where the corner is not textured."""
+    """F = tau < T2 (Eq. 9) of (..., 9, 9) response windows: true where the corner is accepted."""
     return texturization(windows, patches) < t2

@@ -1,8 +1,9 @@
-"""The texture filters by name: what each makes of the candidates of a frame."""
+"""The texture filters by name, and how each judges the candidates of a frame."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +26,16 @@ def _mean(peaks: IntArray, windows: IntArray, limits: Thresholds, patches: Patch
     return adaptive_threshold(peaks, windows, limits.t1, limits.t2)
 
 
-TEXTURES: dict[Texture, Callable[[IntArray, IntArray, Thresholds, Patches], Judgement]] = {
-    "patches": _patches,
-    "mean": _mean,
+class TextureTest(NamedTuple):
+    """A texture filter as a frame uses it."""
+
+    judge: Callable[[IntArray, IntArray, Thresholds, Patches], Judgement]
+    """From peaks (n,), windows (n, 9, 9) of D around them, thresholds and the kind of patches."""
+    by_reference: bool
+    """Is T2 a fraction of Dref?"""
+
+
+TEXTURES: dict[Texture, TextureTest] = {
+    "patches": TextureTest(_patches, by_reference=True),
+    "mean": TextureTest(_mean, by_reference=False),
 }
-"""From peaks (n,), windows (n, 9, 9) of D around them, thresholds and the shape of the patches."""

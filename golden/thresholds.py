@@ -1,6 +1,4 @@
-"""Thresholds of one frame: sigma1 and sigma2 times the reference response, or what a target asks
-for.
-"""
+"""Thresholds of one frame: sigma1 and sigma2 times the reference, or what a target asks for."""
 
 from __future__ import annotations
 
@@ -12,20 +10,25 @@ from golden.settings import Settings
 
 
 class Thresholds(NamedTuple):
-    """T1 in units of D; T2 in units of tau, that is times ``Parameters.pixels_per_region``.
-
-    With ``texture="mean"`` T2 is no threshold but ``Settings.mean_weight``.
-    """
+    """What the responses and the texture measures of a frame are compared with."""
 
     t1: int
+    """In units of D."""
     t2: int
+    """In units of tau, which is scaled by ``Parameters.pixels_per_region``. With
+    ``texture="mean"``, it is no threshold but ``Settings.mean_weight``.
+    """
 
 
 def choose_reference(settings: Settings, previous_maximum: int | None, adapted: int | None = None) -> int:
-    """Dref: the previous frame's largest D, or the constant (also after reset); never below the
-    floor.
+    """Dref: the previous frame's largest D, or the constant; never below the floor.
 
-    With a rank and without a target it is ``adapted``; None: no frame before has been counted.
+    Parameters
+    ----------
+    previous_maximum
+        None after reset; Dref is then the constant.
+    adapted
+        Dref where the settings have a rank and no target; None: no frame before has been counted.
     """
     if settings.reference == "constant" or previous_maximum is None:
         return max(settings.constant, settings.floor)
@@ -39,8 +42,11 @@ def thresholds(
 ) -> Thresholds:
     """T1 = sigma1 · Dref and T2 = sigma2 · Dref, rounded down.
 
-    With a target T1 is ``adapted`` instead, but no less than sigma1 · floor; None: no frame before
-    has been counted.
+    Parameters
+    ----------
+    adapted
+        T1 where the settings have a target, but no less than sigma1 · floor; None: no frame before
+        has been counted.
     """
     t1 = (settings.sigma1_fixed * reference) >> SIGMA_BITS
     t2 = (settings.sigma2_fixed * reference * parameters.pixels_per_region) >> SIGMA_BITS

@@ -1,25 +1,24 @@
-"""Video as it arrives in the field: what becomes of it at the edge of the core, well-formed or not.
+"""Video as it arrives at the edge of the core, well-formed or not, and what becomes of it.
 
-A pixel travels with its framing, start of frame and end of line (AMD UG934). The detector behind the
-edge only ever sees whole frames of the size that was set, from the first pixel to the last; this is
-the specification of how any stream of framed pixels becomes such frames, of what is reported about
-the rest, and of the packets that come out.
+A pixel travels with its framing: start of frame and end of line (AMD UG934). The detector behind
+the edge only ever sees whole frames of the size that was set, from the first pixel to the last.
+This is the specification of how any stream of framed pixels becomes such frames, of what is
+reported about the rest, and of the packets that come out.
 
-================================
-========================================================================= what comes in
-what becomes of it ================================
-========================================================================= start of frame before the
-end     the frame is cut: closed without its remaining corners, and flagged so. The
-                                  new one begins at once
-pixels after a frame's last       dropped, up to the next start of frame end of line too early
-the frame is cut, and what follows dropped up to the next start of frame: no
-                                  corner could have fifteen whole rows for the next fifteen rows
-end of line too late              what is too much is dropped, up to the end of line; the frame goes
-on ================================
-=========================================================================
+============================  ====================================================================
+what comes in                 what becomes of it
+============================  ====================================================================
+start of frame before the     The frame is cut: it is closed without its remaining corners, and
+end of the frame              flagged. The new one begins at once.
+pixels after a frame's last   They are dropped, up to the next start of frame.
+end of line too early         The frame is cut, and what follows is dropped up to the next start of
+                              frame: no corner could have fifteen whole rows for the next fifteen
+                              rows.
+end of line too late          The surplus is dropped, up to the end of line; the frame goes on.
+============================  ====================================================================
 
-A cut frame leaves nothing behind: the next frame's reference is the largest response of the last
-*complete* frame, and it is that one's corners that its T1 is adapted to.
+A cut frame leaves nothing behind: the next frame's reference, and the corners that its T1 is
+adapted to, are those of the last *complete* frame.
 """
 
 from __future__ import annotations
@@ -48,7 +47,7 @@ class Event(IntFlag):
     FRAME_CUT = 1 << 1
     """The end of a cut frame has been delivered."""
     SOF_EARLY = 1 << 2
-    """A frame began before the one before was complete, which is cut."""
+    """A frame began before the one before it was complete; that one is cut."""
     SOF_LATE = 1 << 3
     """Pixels came after a frame's last and before the next start of frame; they were dropped."""
     SOF_MISSING = 1 << 4
@@ -60,13 +59,11 @@ class Event(IntFlag):
     EOL_MISSING = 1 << 7
     """A whole further line's pixels came without an end of line; they were dropped."""
     RECORDS_DROPPED = 1 << 8
-    """A frame had more corners than may be reported, be it by ``max_records`` or by
-    ``Settings.max_corners``.
-    """
+    """A frame had more corners than ``max_records`` or ``Settings.max_corners`` allow."""
     SIZE_CHANGED = 1 << 9
-    """The frame size was set while a frame was under way, for which the old one holds."""
+    """The frame size was set while a frame was under way; the old size holds for that frame."""
     SIZE_REFUSED = 1 << 10
-    """A frame size out of range, or only a part of one, was written; the old one stays."""
+    """A frame size out of range, or only a part of one, was written; the old size stays."""
     INPUT_IDLE = 1 << 11
     """No pixel has come for too long in the middle of a frame."""
     OUTPUT_STALLED = 1 << 12
@@ -75,8 +72,7 @@ class Event(IntFlag):
 
 @dataclass(frozen=True)
 class VideoSettings:
-    """What can be set at run time, at the edge of the core; each frame keeps what holds at its
-    start.
+    """What can be set at run time at the edge of the core; it is latched at each start of frame.
 
     Parameters
     ----------
@@ -85,11 +81,12 @@ class VideoSettings:
     settings
         Thresholds.
     enabled
-        Frames that start otherwise are dropped.
+        False: frames that start are dropped.
     ignore_eol
-        Lines are told apart by counting; ends of line mean nothing.
+        True: lines are told apart by counting pixels, and ends of line mean nothing.
     max_records
-        Corners reported per frame, at most; what is too many is dropped. Holds at once.
+        Largest number of corners reported per frame; the others are dropped. It holds at once, not
+        from the next frame on.
     """
 
     width: int
@@ -100,7 +97,7 @@ class VideoSettings:
     max_records: int = NO_LIMIT
 
     def check(self, parameters: Parameters) -> None:
-        """Raise ``TypeError`` or ``ValueError`` if a detector built so cannot be set so."""
+        """Raise ``TypeError`` or ``ValueError`` if this detector cannot have these settings."""
         check_type("parameters", parameters, Parameters)
         check_integer("width", self.width, SUPPORT, parameters.max_width)
         check_integer("height", self.height, SUPPORT, parameters.max_height)
@@ -113,20 +110,21 @@ class VideoSettings:
 
 @dataclass(frozen=True, eq=False)
 class Packet(ByValue):
-    """What a frame that began gives: records, of which the last closes it.
+    """The records of one frame, of which the last closes it.
 
     Parameters
     ----------
     records
-        Of a complete frame: all of them, the end-of-frame record included. Of a cut one: those of
-        the corners whose support had come when it was cut; some number of the first of them come
-        out, then its end-of-frame record.
+        (n,) uint64. A complete frame has all its records here, with the end-of-frame record. A cut
+        frame has those of the corners whose support had come when it was cut, and no end: the
+        hardware delivers some number of the first of them, and then an end-of-frame record.
     frame, cut
         As in the end-of-frame record.
     found
-        Corners of a complete frame, those that were too many by either limit included.
+        Number of corners of a complete frame, with those that either limit left out; 0 if it was
+        cut.
     pixels
-        Of the frame, as far as it came; a complete one has width x height.
+        The pixels of the frame that came: (height, width) of a complete frame, (n,) of a cut one.
     """
 
     records: Records
@@ -136,7 +134,7 @@ class Packet(ByValue):
     pixels: Image = field(repr=False)
 
     def matches(self, words: Records) -> bool:
-        """Are these, up to a last word, what the hardware may deliver of this frame?"""
+        """May the hardware deliver these words for this frame?"""
         if not self.cut:
             return np.array_equal(words, self.records)
         count = len(words) - 1
@@ -151,8 +149,18 @@ class Packet(ByValue):
 class VideoModel:
     """The detector with its edges, fed pixel by pixel.
 
-    ``events`` collects what has happened, but for what depends on time or on registers being
-    written (``SIZE_CHANGED`` and all after it).
+    Parameters
+    ----------
+    parameters
+        The detector; ``TypeError`` if it is none.
+
+    Attributes
+    ----------
+    events
+        What has happened since reset, except for what depends on time or on writes of registers:
+        ``SIZE_CHANGED`` and all events after it.
+    dropped_records
+        Number of corners since reset that ``max_records`` or ``max_corners`` left out.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -162,14 +170,14 @@ class VideoModel:
         self.reset()
 
     def reset(self) -> None:
-        """As after power-on."""
+        """Return to the state after power-on."""
         self.events = Event(0)
         self.dropped_records = 0
         self._stream.reset()
         self._now: VideoSettings | None = None
         self._pixels: list[int] = []
         self._x = 0
-        # dropping up to an end of line; a complete frame went before; pixels dropped since then
+        # is a line's surplus being dropped; has a complete frame gone before; pixels dropped since
         self._surplus = self._after = False
         self._dropped = 0
 
@@ -180,17 +188,24 @@ class VideoModel:
 
     @property
     def adapted(self) -> int | None:
-        """T1 or Dref for the next frame, if it has a target or a rank; None if the last complete
-        one had neither.
-        """
+        """The D that the last complete frame's target or rank asks for; None if it had neither."""
         return self._stream.history.adapted
 
     def feed(self, beats: Iterable[tuple[int, bool, bool]], video: VideoSettings) -> list[Packet]:
-        """Packets of the frames that end with these beats: ``(pixel, start of frame, end of
-        line)``.
+        """Packets of the frames that end with these beats.
 
-        ``TypeError`` or ``ValueError``, and nothing has happened, if a detector built so cannot be
-        set so, or cannot take one of the pixels.
+        Parameters
+        ----------
+        beats
+            ``(pixel, start of frame, end of line)`` each.
+        video
+            Settings while these beats come.
+
+        Raises
+        ------
+        TypeError, ValueError
+            This detector cannot have such settings, or cannot take one of the pixels; no beat has
+            been taken.
         """
         check_type("video", video, VideoSettings)
         video.check(self.parameters)
@@ -285,15 +300,15 @@ class VideoModel:
         return Packet(records[: now.max_records], frame, True, 0, pixels)
 
     def _image(self, now: VideoSettings) -> Image:
-        """The frame, black where it has not come."""
+        """The frame, black where no pixel has come."""
         image = np.zeros(now.width * now.height, pixel_dtype(self.parameters))
         image[: len(self._pixels)] = self._pixels
         return image.reshape(now.height, now.width)
 
 
 def framed(image: Image, *, sof: bool = True, eol: bool = True) -> list[tuple[int, bool, bool]]:
-    """A well-formed frame as beats ``(pixel, start of frame, end of line)``; or one that lacks its
-    marks.
+    """The beats ``(pixel, start of frame, end of line)`` of a frame: a well-formed one, or one
+    without its start of frame or its ends of line.
     """
     width = image.shape[1]
     return [

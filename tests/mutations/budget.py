@@ -91,7 +91,7 @@ BUDGET_MUTATIONS = {
     ),
     "the golden model forgets what T1 was adapted to": (
         "golden/detector.py",
-        "self._history = frame.following(limits, self._history)",
+        "self._history = frame.next_history(limits, self._history)",
         "self._history = History(frame.maximum)",
         "tests/golden/test_adaptation.py",
         "still_scene and camera",
