@@ -200,7 +200,7 @@ name_option = click.option(
     show_default=True,
     metavar="NAME",
     callback=_checked_name,
-    help="Of the top module, and what all names begin with: for several cores in one design.",
+    help="Name of the core, with which all names begin that are emitted: for several cores in one design.",
 )
 
 

@@ -20,6 +20,8 @@ from sim.tools import run
 
 MODULE = "cornerstream"
 """What a core is called unless it is given another name."""
+SEPARATOR = "__"
+"""Between a core's name and the rest of its modules' names."""
 
 # Flip-flops become `if (rst) ... else if (enable) ...` by proc and opt; Amaranth's own back end
 # leaves them as chains of conditional assignments, twice as long.
@@ -70,7 +72,8 @@ class VerilogError(RuntimeError):
 def emit_verilog(parameters: Build, interface: Interface = "stream", name: str = MODULE) -> str:
     """Verilog-2001 of one core: top module ``name``, clock ``clk``, synchronous reset ``rst``.
 
-    All other modules begin with ``name_``, so that cores of different names can be in one design.
+    All other modules begin with ``name__``. No name of a core has two underscores in a row, so that
+    any two cores of different names can be in one design.
     ``ValueError`` where there is no such core, or it cannot be called so.
     """
     check_name(name)
@@ -106,22 +109,24 @@ def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
     if yosys.returncode:
         raise VerilogError(yosys.stderr.strip())
     text = _LEFTOVER.sub("", yosys.stdout.partition("*/\n")[2].lstrip())
-    return _heading(name, remarks) + WAIVERS + plain_ports(plain_names(text), name) + END_OF_WAIVERS
+    return _heading(name, remarks) + WAIVERS + plain_ports(plain_names(text, name), name) + END_OF_WAIVERS
 
 
-def plain_names(text: str) -> str:
+def plain_names(text: str, top: str) -> str:
     """Verilog without escaped identifiers, which many tools show badly or not at all.
 
-    What a plain identifier cannot hold becomes an underscore: ``\\cornerstream.response_buffer ``
-    is ``cornerstream_response_buffer`` then. A name that is taken, or a keyword of a later Verilog,
-    gets a number. The same name becomes the same everywhere in the text, so modules still fit their
-    instances.
+    What a plain identifier cannot hold becomes an underscore, and two of them after the name of
+    ``top``: ``\\cornerstream.core.registers `` is ``cornerstream__core_registers`` then. A name
+    that is taken, or a keyword of a later Verilog, gets a number. The same name becomes the same
+    everywhere in the text, so modules still fit their instances.
     """
     escaped = dict.fromkeys(_ESCAPED.findall(text))
     taken = set(_PLAIN.findall(_ESCAPED.sub(" ", text))) | set(escaped)
     chosen: dict[str, str] = {}
     for name in escaped:
-        stem = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "_"
+        inner = name.removeprefix(f"{top}.")
+        stem = re.sub(r"\W+", "_", inner, flags=re.ASCII).strip("_") or "_"
+        stem = stem if inner == name else f"{top}{SEPARATOR}{stem}"
         stem = f"_{stem}" if stem[0].isdigit() else stem
         choices = (stem if k == 0 else f"{stem}_{k}" for k in count())
         chosen[name] = next(choice for choice in choices if choice not in taken)

@@ -39,6 +39,8 @@ wire with within wor xnor xor
 KEYWORDS = frozenset(f"{_VHDL} {_VERILOG}".split())
 """Of VHDL-2019 and SystemVerilog, and so of all that came before."""
 LONGEST = 64
+TAKEN_ENDINGS = ("_example", "_tb")
+"""The modules of a core's example have its name and these endings."""
 
 
 def is_plain(name: str) -> bool:
@@ -52,10 +54,10 @@ def check_name(name: str) -> None:
     """``ValueError`` if a core cannot be called so; its modules, files and macros begin with this
     name.
     """
-    if len(name) > LONGEST or not is_plain(name):
+    if len(name) > LONGEST or not is_plain(name) or name.lower().endswith(TAKEN_ENDINGS):
         raise ValueError(
             f"name is {name!r}; allowed: a letter, then letters, digits and single underscores inside, up to "
-            f"{LONGEST} in all, no keyword of Verilog or VHDL"
+            f"{LONGEST} in all, no keyword of Verilog or VHDL, no ending {' or '.join(TAKEN_ENDINGS)}"
         )
 
 

