@@ -83,7 +83,7 @@ def diagram(samples: list[dict[str, int]], ports: tuple[str, ...], clocks: range
         line = port.ljust(14)
         for clock in clocks:
             sample = samples[clock]
-            level = "▔▔▔▔" if sample[port] else "▁▁▁▁"
+            level = "▆▆▆▆" if sample[port] else "▁▁▁▁"
             line += f"{told(port, sample):^4}" if port.endswith("tdata") else level
         lines.append(line)
     return "\n".join(line.rstrip() for line in lines)
