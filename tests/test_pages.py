@@ -140,11 +140,14 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
     environment = os.environ | {"NO_MKDOCS_2_WARNING": "1"}
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    for page in (tmp_path / "site").rglob("*.html"):
+        fetched = r"<(?:script|img|iframe)[^>]*\ssrc=\"?(?:https?:)?//|<link[^>]*rel=\"?stylesheet[^>]*//"
+        assert not re.search(fetched, page.read_text(encoding="utf-8")), f"{page.name} fetches something"
     reference = tmp_path / "site" / "reference"
     helps = (reference / "commands.html").read_text(encoding="utf-8")
     assert all(f"Usage: cornerstream {name} " in helps for name in main.commands)
     python = (reference / "python.html").read_text(encoding="utf-8")
-    assert "Members:" in python and ":class:" not in python
+    assert "Members:" in python and ":class:" not in python and "option(" not in python
 
 
 def test_what_is_found_on_a_page() -> None:

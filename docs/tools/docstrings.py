@@ -2,7 +2,8 @@
 
 Their section *Members* lists the ports of a hardware block, as in Amaranth's library. Griffe, which
 reads docstrings, knows this section only under the name *Attributes*. Cross-references such as
-``:class:`name``` become plain code.
+``:class:`name``` become plain code, and a field made by ``option(default, help)`` shows its default
+alone.
 """
 
 from __future__ import annotations
@@ -10,14 +11,18 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from griffe import DocstringSectionKind, Extension, Object
+from griffe import Attribute, DocstringSectionKind, ExprCall, Extension, Object
 
 _MEMBERS = re.compile(r"^Members\n-+$", re.MULTILINE)
 _ROLE = re.compile(r":(?:class|data|func|meth|mod):`~?([^`]+)`")
 
 
 class Docstrings(Extension):
-    """Prepares each docstring before it is parsed."""
+    """Prepares each docstring before it is parsed, and the defaults of options."""
+
+    def on_attribute_instance(self, *, attr: Attribute, **_: Any) -> None:
+        if isinstance(attr.value, ExprCall) and str(attr.value.function) == "option":
+            attr.value = attr.value.arguments[0]
 
     def on_object(self, *, obj: Object, **_: Any) -> None:
         docstring = obj.docstring
