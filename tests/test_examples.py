@@ -1,4 +1,4 @@
-"""The examples of the documentation: they run as they are, and count what the golden model counts."""
+"""The examples of the documentation run as they are, and agree with the golden model."""
 
 from __future__ import annotations
 

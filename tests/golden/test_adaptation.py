@@ -35,7 +35,7 @@ def window(name: str, step: int, side: int = 200) -> Image:
 
 
 def test_edges_by_hand() -> None:
-    """16 bits: below 32 by eights, then four to the octave up to full scale."""
+    """16 bits: bins of 8 below 32, then four bins to the octave up to full scale."""
     edges = bin_edges(PAPER)
     assert edges[:13] == [0, 8, 16, 24, 32, 40, 48, 56, 64, 80, 96, 112, 128]
     assert edges[-5:] == [32768, 40960, 49152, 57344, 65536]
@@ -68,10 +68,10 @@ def test_threshold_by_hand() -> None:
     def t1(target: int) -> int:
         return adapted_threshold(counts, target, PAPER)
 
-    # 32nds of 8192 from the top downwards, as many as tenths allow
+    # 32nds of 8192 from the top downwards, as many as the tenths allow
     steps = [(40959 - t1(target)) / 256 for target in (1, 2, 5, 9)]
     assert steps == [3, 6, 16, 28]
-    # none too many: just above the next; of that one half, which is 8 of its 16
+    # with no corner too many, the place is just above the next bin; half of that bin is 8 of its 16
     assert (t1(10), t1(15), t1(20), t1(1000)) == (111, 103, 0, 0)
 
 
@@ -129,7 +129,7 @@ def test_a_cut_is_over_after_one_frame(parameters: Parameters) -> None:
 
 
 def test_black_frames_leave_the_least_threshold() -> None:
-    """As without a target, the next frame has more corners for once; what `max_corners` is for."""
+    """As without a target, one frame has more corners than wanted; `max_corners` limits these."""
     settings = Settings.default(ROBUST, target_corners=100, max_corners=150, sigma2=0)
     model = StreamModel(ROBUST)
     black = np.zeros((200, 200), np.uint8)
@@ -165,7 +165,7 @@ def test_max_corners_keeps_the_first(most: int, rejected: bool) -> None:
     settings = Settings.default(ROBUST, sigma1=0.05, sigma2=1.125, report_rejected=rejected)
     every = detect(image, ROBUST, settings)
     limited = detect(image, ROBUST, replace(settings, max_corners=most))
-    # counted are accepted ones; with the last of them the frame's records end
+    # only accepted corners count; the frame's records end with the last of them
     accepted = np.flatnonzero(every.accepted)
     count = int(accepted[most - 1]) + 1 if 0 < most <= len(accepted) else len(every)
     assert len(limited) == count and 30 < len(accepted)
@@ -175,7 +175,7 @@ def test_max_corners_keeps_the_first(most: int, rejected: bool) -> None:
 
 
 def test_a_cut_frame_changes_nothing() -> None:
-    """And what either limit left out is found, and reported as dropped."""
+    """What either limit leaves out counts as found, and is reported as dropped."""
     p = Parameters.profile("robust", budget=True, max_width=40, max_height=40)
     settings = Settings.default(p, sigma1=0.01, target_corners=12, max_corners=4, sigma2=0)
     video = VideoSettings(40, 40, settings)
@@ -206,9 +206,9 @@ def test_the_budget_must_be_built() -> None:
 
 @pytest.mark.parametrize("name", ["camera", "brick", "coins"])
 def test_float_reference(name: str) -> None:
-    """Which takes the target's largest, without a histogram, and suppresses within the same radius."""
-    # rounded gradients, which the reference has not, decide which of some corners are among the
-    # largest
+    """The reference takes the largest responses, without a histogram, within the same radius."""
+    # rounded gradients, which the reference does not have, decide which of some corners are among
+    # the largest
     parameters = Parameters.profile("robust", budget=True, suppression=3, derivative="central")
     settings = Settings.default(parameters, target_corners=80)
     image = photograph(name)
@@ -222,7 +222,7 @@ def test_float_reference(name: str) -> None:
 
 @pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
 def test_float_reference_of_a_rank(parameters: Parameters) -> None:
-    """Which takes the response itself at that place, without a histogram."""
+    """The reference takes the response itself at that rank, without a histogram."""
     settings = Settings.default(parameters, sigma1=0.2, reference_rank=32)
     exact, ours = (each(photograph("coins"), parameters, settings) for each in (reference_detect, detect))
     assert abs(len(exact) - len(ours)) <= 0.1 * len(ours) and len(ours) > 50
@@ -237,7 +237,7 @@ def with_hot_pixels(image: np.ndarray, count: int) -> np.ndarray:
 
 @pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
 def test_hot_pixels_do_not_set_a_reference_by_rank(parameters: Parameters) -> None:
-    """In a dark picture of low contrast the largest response is theirs, and most corners are gone."""
+    """In a dark picture they have the largest response, and most corners are lost."""
     image = 20 + photograph("brick") // 8
     counts = {}
     for rank in (0, 32):
@@ -285,7 +285,7 @@ def test_smoothing_follows_slowly() -> None:
         t1[smoothing] = [result.t1 for result in results]
         counts = [len(result.corners) for result in results[-2:]]
         spread[smoothing] = counts[0] / counts[1]
-    # D goes with the square of the light
+    # D is proportional to the square of the light
     assert t1[0][-2] * 3 < t1[0][-1] and t1[3][-2] > 0.75 * t1[3][-1]
     assert spread[3] < spread[0] / 2
     assert [result[1] for result in t1.values()] == [t1[0][1]] * 2

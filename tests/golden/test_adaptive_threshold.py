@@ -1,4 +1,4 @@
-"""T = S - sigma2 · L of hand-made windows, and what it does to the records."""
+"""T = S - sigma2 · L of windows made by hand, and its effect on the records."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from golden.thresholds import thresholds
 
 
 def level(total: int) -> NDArray[np.int32]:
-    """A window of that sum."""
+    """A window with that sum."""
     window = np.zeros((9, 9), np.int32)
     window[8, 0] = total
     return window
@@ -64,7 +64,7 @@ def test_equals_the_formula_in_fractions(seed: int, weight: int, t1: int) -> Non
 
 @pytest.mark.parametrize("response_filter", ["none", "binomial"])
 def test_a_higher_t1_leaves_the_largest_responses(response_filter: Any, camera: NDArray[np.uint8]) -> None:
-    """So that who sorts the records by response gets what a budget's threshold would have left."""
+    """Records sorted by response begin with those that a budget's threshold would have left."""
     parameters = Parameters.profile("robust", response_filter=response_filter)
     many = detect(camera, parameters, Settings(sigma1=0.01), reference=20000)
     few = detect(camera, parameters, Settings(sigma1=0.1), reference=20000)

@@ -19,7 +19,7 @@ EQUATION_1 = [
     [16, 32, 32, 32, 16],
     [8, 16, 16, 16, 8],
 ]
-"""Times 512, as printed, but for the lone 19 that stands for 16."""
+"""Times 512, as printed, except for the single 19 that stands for 16."""
 
 
 def half_away_from_zero(sixty_fourths: int) -> int:

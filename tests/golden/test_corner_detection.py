@@ -1,4 +1,4 @@
-"""Non-maximum suppression and threshold on hand-made 5x5 maps; 3x3 of them can be corners."""
+"""Non-maximum suppression and threshold on 5x5 maps made by hand, of which 3x3 can be corners."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def test_equals_the_definition(responses: NDArray[np.int32]) -> None:
     st.integers(0, 5),
 )
 def test_any_radius_by_definition(responses: NDArray[np.int32], ties: Ties, radius: int, t1: int) -> None:
-    """Against every neighbour one by one; and two corners are never nearer than the radius and one."""
+    """Every neighbour is compared; two corners are never nearer than the radius plus one."""
     found = corner_detection(responses, t1, ties, radius)
     height, width = responses.shape
     assert found.shape == (height - 2 * radius, width - 2 * radius)

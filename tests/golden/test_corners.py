@@ -1,4 +1,4 @@
-"""Corners as Python has them: compared, chosen from, thinned out and written down."""
+"""Corners as columns of numbers: compared, selected, thinned out and written down."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FOUR = Corners(
 
 
 def corners(*rows: tuple[float, float, int, bool]) -> Corners:
-    """Of rows (x, y, response, accepted)."""
+    """Corners of rows (x, y, response, accepted)."""
     x, y, response, accepted = np.array(rows, dtype=np.float64).reshape(-1, 4).T
     flags = np.where(accepted, 0, Flag.TEXTURED).astype(np.uint8)
     return Corners(x, y, response.astype(np.int64), flags)
@@ -93,7 +93,7 @@ def test_arrays_are_of_one_length() -> None:
     [
         ("x", "float32", "float64"),
         ("y", "int64", "float64"),
-        # the negative of an unsigned number, by which the strongest come first, is none
+        # the strongest come first by their negative, which an unsigned number does not have
         ("response", "uint32", "int64 or float64"),
         ("flags", "float64", "uint8"),
     ],
@@ -149,7 +149,7 @@ def test_of_equal_ones_the_first_stays() -> None:
 
 
 def one_by_one(found: Corners, distance: float) -> Corners:
-    """As defined: each against all that stay."""
+    """The definition: each corner is compared with all that stay."""
     accepted = np.flatnonzero(found.accepted).tolist()
     stay: list[int] = []
     for index in sorted(accepted, key=lambda index: (-found.response[index], index)):

@@ -1,4 +1,4 @@
-"""The blocks put together: what detect takes, refuses and finds in drawings."""
+"""The blocks together: what detect takes, refuses and finds in drawings."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def square() -> np.ndarray:
 @pytest.mark.parametrize("gradient", ["absolute", "signed"])
 def test_square_has_four_corners(gradient: str) -> None:
     corners = detect(square(), Parameters.profile("paper", gradient=gradient), ALL)
-    # square to half a pixel: the peak of D lies inside the corner
+    # a square known to half a pixel: the peak of D lies inside the corner
     assert sorted(zip(corners.x.tolist(), corners.y.tolist(), strict=True)) == [
         (12.5, 12.5),
         (12.5, 26.5),
@@ -134,7 +134,7 @@ def test_square_has_four_corners(gradient: str) -> None:
 
 
 def test_absolute_gradients_all_but_lose_edges_at_45_degrees() -> None:
-    """I = 4 (y + |x|): gx = ±8 but 0 where x = 0, gy = -8; the kernel's middle column weighs 16/64."""
+    """I = 4 (y + |x|): gx = ±8, or 0 at x = 0, gy = -8; the kernel's middle column weighs 16/64."""
     y, x = np.mgrid[-10:11, -10:11]
     image = (60 + 4 * (y + np.abs(x))).astype(np.uint8)
     absolute = response_map(image, Parameters.profile("paper", gradient="absolute"))

@@ -1,4 +1,4 @@
-"""The divider: every quotient rounded as exact arithmetic would."""
+"""The divider: every quotient is rounded as exact arithmetic rounds it."""
 
 from __future__ import annotations
 
@@ -67,14 +67,14 @@ def test_wide_operands(data: st.DataObject, bits: int) -> None:
 
 
 def test_around_every_step_of_the_result() -> None:
-    """Operands of 40 bits just below, at and just above each half unit, where the rounding turns."""
+    """Operands of 40 bits just below, at and just above each half unit, where rounding changes."""
     rng = np.random.default_rng(1)
     for denominator in [1 << 39, (1 << 40) - 1, *rng.integers(1 << 39, 1 << 40, 20).tolist()]:
         turns = [-(-(2 * k + 1) * denominator // 256) for k in range(64)]
         numerator = np.array([turn + d for turn in turns for d in (-1, 0, 1)])
         result = divide(numerator, np.full_like(numerator, denominator))
         assert result.tolist() == [exact(value, denominator) for value in numerator.tolist()]
-        # it does turn there, and nowhere else
+        # it changes there, and nowhere else
         assert result.reshape(-1, 3).tolist() == [[k, k + 1, k + 1] for k in range(64)]
 
 

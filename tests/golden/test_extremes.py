@@ -1,4 +1,4 @@
-"""Images that drive every number to its largest: none may leave the width that Parameters declares."""
+"""Images with the largest numbers of all kinds: none may exceed the width in Parameters."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ GRADIENTS: tuple[Gradient, ...] = ("absolute", "signed")
 
 
 def extremes(pixel_bits: int) -> Iterator[tuple[str, NDArray[np.unsignedinteger[Any]]]]:
-    """Checkerboards, stripes and diagonals of black and white of every small period; flat; noise."""
+    """Checkerboards, stripes and diagonals of every small period, black and white; flat; noise."""
     top = (1 << pixel_bits) - 1
     dtype = np.uint8 if pixel_bits <= 8 else np.uint16
     y, x = np.mgrid[:SIDE, :SIDE]
@@ -91,8 +91,7 @@ def test_every_intermediate_keeps_its_width(pixel_bits: int, gradient: Gradient)
 
 @pytest.mark.parametrize("gradient", GRADIENTS)
 def test_clamp_of_the_response_is_reached_and_by_one_unit_only(gradient: Gradient) -> None:
-    # it takes small A and B that rounding makes smaller, and C larger: faint dots, few and far
-    # between
+    # rounding must make small A and B smaller, and C larger: faint dots, far from each other
     rng = np.random.default_rng(1)
     dots = (rng.random((300, 300)) < 0.1) * rng.integers(1, 4, (300, 300))
     image = dots.astype(np.uint8)
@@ -114,7 +113,7 @@ def test_full_scale_of_absolute_gradients_is_half_of_all_products(pixel_bits: in
     kernel = np.outer([1, 2, 2, 2, 1], [1, 2, 2, 2, 1]).ravel()
     largest_response = 0
     for low in (0, top // 2, top - 2, top):
-        # in each of the 25 places one gradient large, the other small
+        # in each of the 25 places, one gradient is large and the other one small
         large = rng.integers(low, top, (20_000, 25), endpoint=True)
         small = rng.integers(0, top - low, (20_000, 25), endpoint=True)
         turned = rng.random((20_000, 25)) < 0.5

@@ -38,7 +38,7 @@ NINE = np.linalg.pinv(float_model.design_matrix(float_model.GRID_X, float_model.
 
 
 def inside(values: NDArray[Any]) -> NDArray[Any]:
-    """Of a map of the image's size, the part that has a response."""
+    """The part of a map of the image's size that has a response."""
     return values[3:-3, 3:-3]
 
 
@@ -135,9 +135,9 @@ def offset_bound(samples: NDArray[np.float64]) -> float:
     """How far the nine-point peak can move when each sample moves by less than SPREAD, up to a
     constant.
 
-    With gradient g, Hessian H and peak p of the moved surface, H'(p' - p) = -(dg + dH p). Each sample is off
-    by 5/2 at most once the constant is taken away, so |dg| <= sqrt(2)·5/2 by its coefficients 1/6,
-    |dH| <= 2·5 + 5/2 by theirs, and |p| <= sqrt(1/2) as far as it matters.
+    With gradient g, Hessian H and peak p of the moved surface, H'(p' - p) = -(dg + dH p). Each
+    sample is off by 5/2 at most once the constant is taken away, so |dg| <= sqrt(2)·5/2 by its
+    coefficients 1/6, |dH| <= 2·5 + 5/2 by theirs, and |p| <= sqrt(1/2) as far as it matters.
     """
     l0, l1, l2 = NINE[:3] @ samples.reshape(9)
     flattest = -(l0 + l1 + np.hypot(l0 - l1, l2))  # the smaller of -H's eigenvalues

@@ -1,4 +1,4 @@
-"""Sobel gradients, response filter and adaptive threshold beside the same in float64."""
+"""Sobel gradients, response filter and adaptive threshold, compared with the same in float64."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from tests.support.photographs import PHOTOGRAPHS, photograph
 from tests.support.strategies import detectors, images
 
 FAINT = ("moon", "cell", "clock")
-"""Of these the largest gradients are a few units, so that rounding decides about most corners."""
+"""Their largest gradients are a few units, so that rounding decides most corners."""
 LOW, HIGH = -2, 3
-"""D in integers is so much off; see test_reference.py."""
+"""Error of D in integers; see test_float_model.py."""
 
 
 def exact_responses(image: NDArray[np.uint8], parameters: Parameters) -> NDArray[np.float64]:
@@ -63,7 +63,7 @@ def test_filtered_responses_and_what_the_threshold_leaves_of_them(
         left = prominence(filtered, windows, weight)
         share = weight / 8 * LEVEL_GAIN
         error = left - (floating - share * means)
-        # L and what is taken of it are rounded down
+        # L and the part of it that is subtracted are rounded down
         assert (error > LOW - 0.5 - share * HIGH - 1e-6).all()
         assert (error < HIGH + 0.5 - share * LOW + weight / 8 + 1 + 1e-6).all()
 

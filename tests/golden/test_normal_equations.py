@@ -1,4 +1,4 @@
-"""The gradient step: sums by hand, exact corners, symmetries, and what it is for."""
+"""The gradient step: sums by hand, exact corners, symmetries, and its purpose."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_sums_by_hand() -> None:
 
 
 def test_a_mixed_product_by_hand() -> None:
-    """Only at the place (-3, 3) are both gradients there, and of opposite signs: C = -6."""
+    """Both gradients are only at the place (-3, 3), with opposite signs: C = -6."""
     pixels = np.zeros((1, 9, 9), np.uint8)
     pixels[0, 4 + 3, 4 - 4] = 2  # left of it: gx = 2
     pixels[0, 4 + 4, 4 - 3] = 3  # below it: gy = -3
@@ -85,7 +85,7 @@ def test_slanted_saddles_are_found(angle: int) -> None:
     cosine, sine = np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))
     u, v = cosine * (X - 0.3) + sine * (Y + 0.2), cosine * (Y + 0.2) - sine * (X - 0.3)
     dx, dy = only(np.rint(127 + 100 * np.tanh(u) * np.tanh(v)))
-    # at 45 degrees its own asymmetry is cut off by the window: 0.062
+    # at 45 degrees the window cuts the asymmetry of the corner off: 0.062
     assert np.hypot(dx - 0.3, dy + 0.2) < 0.065
 
 
@@ -155,7 +155,7 @@ def test_error_of_photographs_corners() -> None:
 
 
 def test_least_squares_over_49_equations_says_the_same() -> None:
-    """The float reference, which knows no normal equations."""
+    """The float model, which has no normal equations."""
     some = windows()[::97]
     limits = offset_bounds(normal_equations(some), STEP)
     offset = step(some)
@@ -167,7 +167,7 @@ def test_least_squares_over_49_equations_says_the_same() -> None:
 
 
 def test_turning_the_pixels_turns_the_offset() -> None:
-    """Exchanging x and y is exact; a mirror is not, as negative mantissas are cut downwards too."""
+    """Exchanging x and y is exact. A mirror is not: negative mantissas are rounded down, too."""
     some = windows()[::13]
     whole, transposed = step(some), step(some.transpose(0, 2, 1))
     assert (transposed.dx == whole.dy).all() and (transposed.dy == whole.dx).all()
@@ -199,7 +199,7 @@ def test_wider_pixels_of_the_same_values_change_nothing(seed: int) -> None:
 
 @pytest.mark.parametrize("pixel_bits", range(4, 11))
 def test_bound_of_the_sums(pixel_bits: int) -> None:
-    """Stripes along both diagonals have gx = ±gy of full size wherever their contrast is largest."""
+    """Stripes along both diagonals have gx = ±gy of full size where their contrast is largest."""
     parameters = Parameters.profile("robust", pixel_bits=pixel_bits)
     assert LARGEST == 168 and largest(parameters) == 168 * parameters.product_max
     assert derivative_bits(parameters) == largest(parameters).bit_length()

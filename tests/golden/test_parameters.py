@@ -1,4 +1,4 @@
-"""Every field refuses what it cannot be, and says what it can."""
+"""Every field refuses values that are not allowed, and says which are."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What follows from the formulas for any image at all."""
+"""Properties that follow from the formulas for every image."""
 
 from __future__ import annotations
 
@@ -78,12 +78,12 @@ def find(image: Image, parameters: Parameters) -> Found:
 
 
 even_handed = detectors(ties="strict", fit="nine") | detectors(ties="strict", fit="gradient")
-"""Neither ties nor the six samples prefer a direction."""
+"""Detectors in which neither ties nor the six samples prefer a direction."""
 
 
 @given(images(), even_handed, st.sampled_from(sorted(TURNS)))
 def test_turning_the_image_turns_the_corners(image: Image, parameters: Parameters, turn: str) -> None:
-    """Each corner's pixel, response and verdict exactly, its offset as far as mantissas go."""
+    """The pixel, response and verdict of each corner are exact, its offset within its bound."""
     turn_image, turn_corners = TURNS[turn]
     one, other = find(image, parameters), find(turn_image(image), parameters)
     x, y = turn_corners(one.pixels, *image.shape)

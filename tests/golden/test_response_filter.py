@@ -1,4 +1,4 @@
-"""S out of D, by hand, and what it is for: one peak at a saddle."""
+"""S from D, by hand, and its purpose: one peak at a saddle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The model of the stream: what one frame leaves for the next, and nothing else."""
+"""The model of a stream: one frame leaves its history to the next, and nothing else."""
 
 from __future__ import annotations
 

@@ -40,9 +40,9 @@ from tests.support.photographs import PHOTOGRAPHS, photograph
 Y, X = np.mgrid[-1:2, -1:2]
 SIX = [0, 3, 5, 7, 2, 6]
 BITS = 26
-"""Width of derivatives, where no detector says it."""
+"""Width of derivatives where there is no detector."""
 MANTISSA_BITS = 10
-"""Those of a surface."""
+"""Mantissa bits of a surface."""
 
 
 def samples(l0: int, l1: int, l2: int, l3: int, l4: int, l5: int) -> NDArray[np.int64]:
@@ -54,7 +54,7 @@ def design(x: NDArray[np.int64], y: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def applied_to_units(fit: Fit) -> NDArray[np.int64]:
-    """The fit as a matrix: column k is what a lone 1 at sample k gives."""
+    """The fit as a matrix: column k is the result of a single 1 at sample k."""
     fits = {"nine": fit_nine, "six": fit_six, "printed": fit_printed}
     return np.array(fits[fit](np.eye(9, dtype=np.int32).reshape(9, 3, 3)))
 
@@ -93,7 +93,7 @@ def test_fit_recovers_the_peak_of_a_paraboloid(fit: Fit) -> None:
 
 
 def test_printed_formulas_do_not_recover_it() -> None:
-    """f = 10 - (x - 0.3)² - (y + 0.2)², times 100: Eqs. 11 and 12 move its peak to (0.04, -0.54)."""
+    """f = 1000 - 100 (x - 0.3)² - 100 (y + 0.2)²: Eqs. 11, 12 move its peak to (0.04, -0.54)."""
     patch = samples(-100, -100, 0, 60, -40, 1000 - 9 - 4)
     l0, l1, l2, l3, l4 = (int(value) for value in fit_printed(patch))
     denominator = l2 * l2 - 4 * l0 * l1
@@ -216,7 +216,7 @@ Rows = st.lists(st.tuples(*[Value] * 5), min_size=1, max_size=20)
 
 
 def cut_to_ten_bits(values: tuple[int, ...]) -> list[int]:
-    """The definition: all divided by the one power of two that brings the largest down to ten bits."""
+    """The definition: all are divided by the power of two that leaves ten bits of the largest."""
     largest = max(max(value, -value - 1) for value in values)
     return [value >> max(largest.bit_length() - MANTISSA_BITS, 0) for value in values]
 
@@ -228,7 +228,7 @@ def test_mantissas_equal_their_definition_whatever_the_width(rows: list[tuple[in
 
 
 def limited_quotient(numerator: int, denominator: int) -> tuple[int, bool]:
-    """Nearest multiple of 1/128, halves away from zero, and whether it was one half or more."""
+    """The nearest multiple of 1/128, halves away from zero, and whether it is one half or more."""
     magnitude = Fraction(abs(numerator), denominator)
     nearest = int(128 * min(magnitude, Fraction(1, 2)) + Fraction(1, 2))
     return nearest * (1 if numerator >= 0 else -1), magnitude >= Fraction(1, 2)
@@ -256,7 +256,7 @@ def test_peak_equals_the_exact_quotient_of_the_mantissas(rows: list[tuple[int, .
 
 
 def errors(patches: NDArray[np.integer], parameters: Parameters) -> NDArray[np.float64]:
-    """Of the offsets, the larger of both axes; asserts that none is beyond its bound."""
+    """Errors of the offsets, the larger of both axes; asserts that none exceeds its bound."""
     offset, exact = subpixel(patches, parameters), exact_peaks(patches, parameters)
     error = np.maximum(np.abs(offset.dx / 128 - exact.dx), np.abs(offset.dy / 128 - exact.dy))
     bound = bounds(patches, parameters)
@@ -283,7 +283,7 @@ def test_error_of_random_peaks(pixel_bits: int, fit: Fit) -> None:
     error, surely = errors(patches, parameters), np.isfinite(bounds(patches, parameters))
     assert np.quantile(error[surely], 0.5) <= 0.0026
     assert np.quantile(error[surely], 0.99) <= 0.015
-    # all but one in three hundred maxima can be told from what is none
+    # all but one in three hundred maxima can be told from the rest
     assert (exact_peaks(patches, parameters).maximum & ~surely).mean() <= 1 / 300
 
 
@@ -303,7 +303,7 @@ def candidates(profile_name: str, fit: Fit) -> tuple[Parameters, NDArray[np.int3
 @pytest.mark.parametrize("fit", ["nine", "six"])
 @pytest.mark.parametrize("profile_name", ["paper", "robust"])
 def test_error_of_photographs_corners(profile_name: str, fit: Fit) -> None:
-    """Median, 95th and 99th percentile in pixels; 1/256 of them is what rounding to 1/128 can do."""
+    """Median, 95th and 99th percentile in pixels; rounding to 1/128 accounts for 1/256."""
     parameters, patches = candidates(profile_name, fit)
     assert len(patches) > 12_000
     error = errors(patches, parameters)
@@ -311,7 +311,7 @@ def test_error_of_photographs_corners(profile_name: str, fit: Fit) -> None:
     assert np.quantile(error, 0.95) <= 0.0065
     assert np.quantile(error, 0.99) <= 0.012
     offset, exact = subpixel(patches, parameters), exact_peaks(patches, parameters)
-    # nearly never is a maximum none, or the other way round, and no direction is preferred
+    # a maximum is hardly ever taken for none, or none for a maximum, and no direction is preferred
     assert (exact.maximum == offset.not_maximum).mean() <= 0.0004
     assert abs((offset.dx / 128 - exact.dx).mean()) <= 1 / 1000
     assert abs((offset.dy / 128 - exact.dy).mean()) <= 1 / 1000
@@ -322,7 +322,7 @@ def test_error_of_photographs_corners(profile_name: str, fit: Fit) -> None:
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from([10, 130050, 2093058]))
 def test_turning_the_samples_turns_the_nine_point_offset(seed: int, top: int) -> None:
-    """Exchanging x and y is exact; a mirror is not, as negative mantissas are cut downwards too."""
+    """Exchanging x and y is exact. A mirror is not: negative mantissas are rounded down, too."""
     parameters = Parameters.profile("paper", pixel_bits=10)
     patches = np.random.default_rng(seed).integers(0, top // 2, (20, 3, 3), dtype=np.int32)
     patches[:, 1, 1] += top // 2
@@ -345,7 +345,7 @@ def test_turning_the_samples_turns_the_nine_point_offset(seed: int, top: int) ->
 
 @pytest.mark.parametrize("profile_name", ["paper", "robust"])
 def test_mirrored_corners_of_photographs_are_one_unit_off_at_most(profile_name: str) -> None:
-    """Of a hundred, ninety-eight; seven in ten of all are equal."""
+    """At least 98 in a hundred are one unit off at most, and seven in ten are equal."""
     parameters, patches = candidates(profile_name, "nine")
     whole = subpixel(patches, parameters)
     for turned, x, y in ((patches[:, :, ::-1], -1, 1), (patches[:, ::-1], 1, -1)):
@@ -391,7 +391,7 @@ def test_what_a_fit_implies() -> None:
 
 @pytest.mark.parametrize("fit", ["nine", "six", "printed"])
 def test_derivative_bits_are_reached(fit: Fit) -> None:
-    """Of all patches of nothing but 0 and full scale: not one bit less would do."""
+    """One bit less would not hold all patches of 0 and full scale."""
     for pixel_bits in range(4, 11):
         parameters = Parameters.profile("paper", pixel_bits=pixel_bits, fit=fit)
         corners = np.array(np.unravel_index(np.arange(512), (2,) * 9)).T.reshape(-1, 3, 3)

@@ -1,4 +1,4 @@
-"""tau of hand-made 9x9 windows, for both readings of Fig. 5."""
+"""tau of 9x9 windows made by hand, for both readings of Fig. 5."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_patches_of_the_figure() -> None:
     assert patch(window, 3, "pixels").reshape(-1).tolist() == [10, 16, 64, 70]
     regions = patch(window, 3, "regions")
     assert regions.shape == (4, 3, 3)
-    # the 9x9 square's own corners
+    # the corners of the 9x9 square
     assert regions[0].tolist() == [[0, 1, 2], [9, 10, 11], [18, 19, 20]]
     assert regions[3, 2, 2] == 80
     # the 5x5 square: its four corner regions overlap in the middle
@@ -53,7 +53,7 @@ def test_patches_of_the_figure() -> None:
 @pytest.mark.parametrize(
     ("y", "x", "regions", "pixels"),
     [
-        # how often one pixel's value counts: worked out on squared paper
+        # how often the value of one pixel counts, worked out on paper
         (4, 4, 4, 0),  # in all four regions of patch 1, in none of patches 2 and 3
         (4, 3, 2, 0),  # in the two left regions of patch 1
         (3, 3, 3, 1),  # upper left: middle of patch 1 (1), first of patch 2 (2)

@@ -53,7 +53,7 @@ def test_products(sigma1: float, sigma2: float, reference: int, t1: int, t2: int
 
 
 @given(
-    # smaller ones, but for 0, are refused
+    # smaller ones are refused, except for 0
     st.just(0.0) | st.floats(2**-16, 1, exclude_max=True),
     st.just(0.0) | st.floats(2**-16, 16, exclude_max=True),
     st.integers(0, 130050),

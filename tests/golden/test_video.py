@@ -17,7 +17,7 @@ from tests.support.malformed import FAULTS, Beats, Fault, texture, whole
 
 WIDTH, HEIGHT = 36, 28
 LATE = 24 * WIDTH + 20
-"""Pixels of a frame that is cut so late that corners have come of it."""
+"""Pixels of a frame that is cut so late that some of its corners have come."""
 PARAMETERS = Parameters.profile("paper", max_width=40, max_height=30)
 SETTINGS = Settings(sigma1=0.02, sigma2=2.0)
 VIDEO = VideoSettings(WIDTH, HEIGHT, SETTINGS)
@@ -38,13 +38,13 @@ def feed(*parts: Beats, video: VideoSettings = VIDEO) -> tuple[list[Packet], Vid
 
 
 def good(*images: Image) -> list[np.ndarray]:
-    """What the plain model says of these frames alone."""
+    """The results of the stream model for these frames alone."""
     model = StreamModel(PARAMETERS)
     return [model.process(one, SETTINGS).records[:-1] for one in images]
 
 
 def is_exact(packet: Packet, records: np.ndarray, frame: int) -> None:
-    """A complete packet with exactly these corners and this number."""
+    """A complete packet with these corners and this number."""
     end = decode_frame_end(int(packet.records[-1]))
     assert not packet.cut and not end.cut
     assert packet.records[:-1].tolist() == records.tolist()
@@ -187,7 +187,7 @@ def test_cut_packets_match_any_number_of_their_first_records() -> None:
 
 def test_records_of_a_cut_frame_need_their_whole_support() -> None:
     first, packet = feed(framed(FIRST), framed(SECOND)[:LATE], framed(THIRD)[:1])[0]
-    # independent of what would have followed: white instead of black
+    # the rest of the frame, white instead of black, makes no difference
     padded = SECOND.copy().ravel()
     padded[LATE:] = 255
     reference = decode_frame_end(int(first.records[-1])).maximum
