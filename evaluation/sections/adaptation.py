@@ -8,22 +8,23 @@ far off that is.
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from itertools import count as counted
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from evaluation.figures import Figures
 from evaluation.inputs.sources import photograph
+from evaluation.presentation import plots as style
+from evaluation.presentation.numbers import number, share
+from evaluation.presentation.table import Table
+from evaluation.sections.section import Material, Section
 from golden import Parameters, Settings, StreamModel
 from golden.frame import Frame, History
 from golden.thresholds import thresholds
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Image = NDArray[np.uint8]
 
@@ -185,35 +186,62 @@ def adaptation(
     }
 
 
-def draw(record: Figures) -> Figure:
-    """Corners of every frame against the target, one panel per target."""
-    from matplotlib.figure import Figure
+def measure(material: Material) -> Figures:
+    """Every target with every law."""
+    steps = counted(1)
+    with material.progress("adaptation to a target", len(TARGETS) * len(LAWS)) as advance:
+        return adaptation(notify=lambda done: advance(next(steps)))
 
-    figure = Figure(figsize=(9, 6), layout="constrained", dpi=100)
-    panels = figure.subplots(len(record["targets"]), 1, sharex=True, squeeze=False)[:, 0]
-    styles = dict(zip(LAWS, ("#0072b2", "#56b4e9", "#e69f00"), strict=True))
-    for axes, (target, laws) in zip(panels, record["targets"].items(), strict=True):
+
+def tables(found: Figures) -> dict[str, Table]:
+    """``laws``: how near each comes to each target."""
+    series = [(target, law, each) for target, laws in found["targets"].items() for law, each in laws.items()]
+    within = [f"within {100 * float(limit):g} %" for limit in series[0][2]["summary"]["within"]]
+    rows = [
+        [
+            *(target, law, number(each["summary"]["frames"]), share(each["summary"]["median_error"])),
+            *map(share, each["summary"]["within"].values()),
+        ]
+        for target, law, each in series
+    ]
+    headings = ["target", "law", "frames judged", "median error", *within]
+    return {"laws": Table("Corners per frame against a target", headings, rows, names=2)}
+
+
+def plot(found: Figures) -> bytes:
+    """Corners of every frame against the target, one panel per target."""
+    drawn = style.figure(6.4)
+    panels = drawn.subplots(len(found["targets"]), 1, sharex=True, squeeze=False)[:, 0]
+    looks = dict(zip(LAWS, (("#0072b2", 2.4), ("#e69f00", 1.3), ("#777777", 1.3)), strict=True))
+    for axes, (target, laws) in zip(panels, found["targets"].items(), strict=True):
         aim = int(target)
-        axes.axhspan(aim * 7 / 8, aim * 9 / 8, color="#dddddd", label="target ± 1/8")
-        for law, series in reversed(laws.items()):
+        axes.axhspan(aim * 7 / 8, aim * 9 / 8, color="#cfe8cf", label="target ± 1/8")
+        for law in reversed(LAWS):
+            colour, width = looks[law]
             # a count of 0 has no place on the scale
-            axes.plot(np.maximum(series["counts"], 1), ".-", color=styles[law], label=law, linewidth=1)
-        axes.set_yscale("log")
+            axes.plot(np.maximum(laws[law]["counts"], 1), color=colour, label=law, linewidth=width)
+        style.logarithmic(axes, (10, 30, 100, 300, 1000, 3000))
         axes.set_ylabel(f"corners, target {target}")
         axes.set_ylim(max(1, aim / 30), aim * 20)
-        for scene in record["scenes"]:
-            axes.axvline(scene["start"] - 0.5, color="#999999", linewidth=0.5)
-    for scene in record["scenes"]:
-        panels[0].text(
-            scene["start"], panels[0].get_ylim()[1], scene["name"], fontsize=7, rotation=20, va="bottom"
-        )
-    panels[0].legend(fontsize=7, loc="lower right")
+        axes.set_xlim(-1, len(laws[LAWS[0]]["counts"]))
+        for scene in found["scenes"]:
+            axes.axvline(scene["start"] - 0.5, color="#aaaaaa", linewidth=0.8)
+        style.plain(axes, grid="y")
+    for scene in found["scenes"]:
+        place = (scene["start"], panels[0].get_ylim()[1] * 1.15)
+        panels[0].text(*place, scene["name"], fontsize=style.SMALL, rotation=40, va="bottom")
     panels[-1].set_xlabel("frame")
-    return figure
+    style.key(drawn, panels[0])
+    return style.plot_file(drawn)
 
 
-def plot(record: Figures) -> bytes:
-    """:func:`draw` as a PNG, the same for the same record."""
-    file = io.BytesIO()
-    draw(record).savefig(file, format="png", metadata={"Software": None})
-    return file.getvalue()
+SECTION = Section(
+    name="adaptation",
+    title="A target number of corners",
+    measure=measure,
+    tables=tables,
+    plots={"adaptation.png": plot},
+    facts=lambda found: {"size": "×".join(map(str, found["size"]))},
+    needs=frozenset({"photographs"}),
+    not_quick="its video is one whole, of which a part would show another behaviour",
+)

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from evaluation.figures import Figures, Notify
-from evaluation.inputs.boards import Board, reference_corners
+from evaluation.inputs.boards import Board, reference_corners, rendered_board, rendered_boards
 from evaluation.methods.bootstrap import Values, estimate, mean, plain
-from evaluation.methods.localisation import Localisation, methods, place
-from evaluation.sections.accuracy import WITHIN, figures_of_images
+from evaluation.methods.localisation import WITHIN, Localisation, figures_of_images, methods, place
+from evaluation.presentation import pictures
+from evaluation.presentation.numbers import figure, spread
+from evaluation.presentation.plots import encoded, key
+from evaluation.presentation.plots import figure as empty_figure
+from evaluation.presentation.table import Name, Strong, Table
+from evaluation.sections.section import Material, Section
 from golden import Parameters, Settings
 
 
@@ -85,3 +92,80 @@ def nearest_errors(found: Values, truth: Values) -> Values:
     """(n, 2) from each true corner to the nearest found one."""
     distances = np.linalg.norm(truth[:, None] - found[None], axis=2)
     return found[distances.argmin(axis=1)] - truth
+
+
+def measure(material: Material) -> Figures:
+    """Rendered boards, and under ``photographed`` the user's; None if there are none."""
+    result: Figures = {}
+    boards = {"rendered": rendered_boards(quick=material.quick), "photographed": material.user.boards}
+    for name, some in boards.items():
+        with material.progress(f"{name} chessboards", len(some)) as advance:
+            result[name] = chessboards(some, material.profiles, notify=advance) if some else None
+    return result
+
+
+def tables(found: Figures) -> dict[str, Table]:
+    """A table for each set of boards."""
+    return {name: _table(name, boards) for name, boards in found.items() if boards}
+
+
+def _table(name: str, boards: Figures) -> Table:
+    rows = []
+    for profile, figures in boards["profiles"].items():
+        shares = [figure(figures["detected"]), figure(figures["accepted"])]
+        for method, each in figures["methods"].items():
+            named = Strong(method) if method == figures["fit"] else method
+            errors = [
+                spread(each[key], each[f"{key}_interval"]) for key in ("median", "p95", "bias_x", "bias_y")
+            ]
+            rows.append([Name(profile), named, *shares, *errors])
+            shares = ["", ""]
+    headings = ["profile", "method", "found", "accepted", "median", "95 %", "bias x", "bias y"]
+    return Table(f"Corners of {name} chessboards: distance to the reference, px", headings, rows, names=2)
+
+
+def facts(found: Figures) -> dict[str, Any]:
+    """How many boards and corners there are, and what the reference is worth."""
+    each = {name: boards for name, boards in found.items() if boards}
+    return {
+        "boards": each,
+        "given": {
+            name: f"{boards['names'][0]} to {boards['names'][-1]}" if boards["names"] else "none"
+            for name, boards in each.items()
+        },
+        "reference": {
+            name: spread(boards["reference"]["median"], boards["reference"]["median_interval"])
+            for name, boards in each.items()
+            if boards["reference"]
+        },
+    }
+
+
+def picture(profiles: dict[str, Parameters]) -> bytes:
+    """A rendered board, and three of its corners near by; a JPEG file."""
+    board = rendered_board(0)
+    assert board.truth is not None
+    parameters = pictures.of_interest(profiles)
+    found = place(board.image, parameters, Settings.default(parameters))
+    chosen = np.array([found.nearest(x, y, WITHIN) for x, y in board.truth])
+    drawn = empty_figure(2.6)
+    whole, *details = drawn.subplots(1, 4, width_ratios=(1.45, 1, 1, 1))
+    pictures.show(whole, board.image)
+    pictures.mark(whole, {"gradient": found.positions["gradient"][chosen]}, size=3)
+    for axes, index in zip(details, (0, 22, len(chosen) - 1), strict=True):
+        pictures.show(axes, board.image)
+        pictures.truth(axes, *board.truth[index])
+        pictures.mark(axes, {name: found.positions[name][[chosen[index]]] for name in pictures.SHOWN})
+    key(drawn, details[0], len(pictures.SHOWN) + 1)
+    return encoded(drawn, "jpg")
+
+
+SECTION = Section(
+    name="chessboards",
+    title="Chessboards",
+    measure=measure,
+    tables=tables,
+    pictures={"chessboard.jpg": picture},
+    facts=facts,
+    options=frozenset({"profiles", "boards"}),
+)

@@ -17,6 +17,10 @@ from numpy.typing import NDArray
 from PIL import Image as Pictures
 from PIL import ImageDraw
 
+from evaluation.figures import Figures
+from evaluation.presentation.numbers import number
+from evaluation.presentation.table import Table
+from evaluation.sections.section import Material, Section
 from golden import Corners, detect
 from golden.algorithm import Fit
 from golden.formats import MARGIN
@@ -123,6 +127,70 @@ def _enlarged(greys: NDArray[np.uint8], corners: Corners) -> Pictures.Image:
         pen.line((u - 3, v, u + 3, v), _MARK)
         pen.line((u, v - 3, u, v + 3), _MARK)
     return drawn
+
+
+SQUARES = (2, 3, 4, 5, 6, 8)
+"""Sides of squares, in pixels, whose boards are measured."""
+SOFT = (0.5, 1.0, 1.5, 2.0, 2.5)
+"""Blurs of crossings, in pixels."""
+DEGREES = (0, 22, 45)
+FITS: tuple[Fit, ...] = ("gradient", "nine")
+
+
+def measure(material: Material) -> Figures:
+    """Both tables of docs/reference/limits.md, for ``robust``; quick: every other row."""
+    every = 2 if material.quick else 1
+    squares, blurs = SQUARES[::every], SOFT[::every]
+    boards: list[Figures] = []
+    soft: list[Figures] = []
+    with material.progress("limits", len(squares) + len(blurs)) as advance:
+        for square in squares:
+            found = on_board(square, Parameters.profile("robust"))
+            responses = response_map(board(square), Parameters.profile("robust"))
+            levels: Figures = {"least": int(responses.min()), "largest": int(responses.max())}
+            boards.append({"square": square} | found._asdict() | levels)
+            advance(len(boards))
+        for blur in blurs:
+            errors: Figures = {
+                fit: [round(wander(blur, degrees, fit), 4) for degrees in DEGREES] for fit in FITS
+            }
+            soft.append({"blur": blur} | errors)
+            advance(len(boards) + len(soft))
+    return {"boards": boards, "soft": soft, "degrees": list(DEGREES)}
+
+
+def tables(found: Figures) -> dict[str, Table]:
+    """``boards`` and ``soft``."""
+    boards = [
+        [
+            *(number(each["square"]), number(each["there"]), number(each["found"])),
+            *(number(each["farthest"], 2), number(each["least"]), number(each["largest"])),
+        ]
+        for each in found["boards"]
+    ]
+    soft = [
+        [number(each["blur"], 1), *(number(error, 2) for fit in FITS for error in each[fit])]
+        for each in found["soft"]
+    ]
+    headings = [
+        "side of a square, px",
+        "corners there",
+        "found",
+        "farthest off, px",
+        "D, least",
+        "D, largest",
+    ]
+    return {
+        "boards": Table("Sharp boards along the pixels", headings, boards),
+        "soft": Table(
+            "Soft crossings moved over a pixel: largest less smallest error in x, px",
+            ["blur, px", *(f"{fit}, {degrees}°" for fit in FITS for degrees in found["degrees"])],
+            soft,
+        ),
+    }
+
+
+SECTION = Section(name="limits", title="Limits", measure=measure, tables=tables)
 
 
 if __name__ == "__main__":

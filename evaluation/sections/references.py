@@ -7,14 +7,17 @@ unless it is an average or a constant.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from evaluation.figures import Figures
+from evaluation.figures import Figures, Notify
 from evaluation.inputs.sources import photograph
+from evaluation.presentation.numbers import listed
+from evaluation.presentation.table import Table
+from evaluation.sections.section import Material, Section
 from golden import Parameters, Settings, StreamModel, detect
 from golden.formats import SMOOTHING_BITS
 
@@ -50,13 +53,13 @@ def with_hot_pixels(image: Image, count: int, random: np.random.Generator) -> Im
     return hot
 
 
-def _hot(parameters: Parameters) -> Figures:
+def _hot(parameters: Parameters, names: Sequence[str], draws: int) -> Figures:
     """By rank and number of hot pixels: corners with them over corners without, median and least."""
     random = np.random.default_rng(SEED)
     shares: dict[int, dict[int, list[float]]] = {rank: {count: [] for count in HOT} for rank in RANKS}
-    for name in PHOTOGRAPHS:
+    for name in names:
         image = (photograph(name) // CONTRAST).astype(np.uint8)
-        spoilt = [(count, with_hot_pixels(image, count, random)) for count in HOT for _ in range(DRAWS)]
+        spoilt = [(count, with_hot_pixels(image, count, random)) for count in HOT for _ in range(draws)]
         for rank, found in shares.items():
             settings = Settings.default(parameters, sigma1=SIGMA1, reference_rank=rank, floor=FLOOR)
             clean = len(detect(image, parameters, settings))
@@ -71,7 +74,7 @@ def _hot(parameters: Parameters) -> Figures:
     }
 
 
-def _flicker(parameters: Parameters) -> Figures:
+def _flicker(parameters: Parameters, frames: int) -> Figures:
     """By what the reference is: corners in frames of full and of less light, when all has settled."""
     image = photograph("coins")
     scenes = [np.rint(image * gain).astype(np.uint8) for gain in GAINS]
@@ -88,23 +91,27 @@ def _flicker(parameters: Parameters) -> Figures:
     result: Figures = {}
     for kind, settings in kinds.items():
         model = StreamModel(parameters)
-        counts = [len(model.process(scenes[k % len(scenes)], settings).corners) for k in range(FRAMES)]
+        counts = [len(model.process(scenes[k % len(scenes)], settings).corners) for k in range(frames)]
         result[kind] = counts[-len(scenes) :]
     return result
 
 
 def references(
-    profiles: dict[str, Parameters], *, notify: Callable[[int], None] = lambda done: None
+    profiles: dict[str, Parameters],
+    *,
+    quick: bool = False,
+    notify: Notify = lambda done: None,
 ) -> Figures:
-    """Both, of every profile; ``notify`` is told how many are done."""
+    """Both for every profile; ``notify`` is told how many profiles are done."""
+    names, draws, frames = (PHOTOGRAPHS[2:3], 1, 8) if quick else (PHOTOGRAPHS, DRAWS, FRAMES)
     found: Figures = {}
     for done, (name, parameters) in enumerate(profiles.items(), 1):
         built = replace(parameters, budget=True)
-        found[name] = {"hot": _hot(built), "flicker": _flicker(built)}
+        found[name] = {"hot": _hot(built, names, draws), "flicker": _flicker(built, frames)}
         notify(done)
     return {
-        "photographs": list(PHOTOGRAPHS),
-        "draws": DRAWS,
+        "photographs": list(names),
+        "draws": draws,
         "seed": SEED,
         "sigma1": SIGMA1,
         "contrast": CONTRAST,
@@ -112,3 +119,46 @@ def references(
         "gains": list(GAINS),
         "profiles": found,
     }
+
+
+def measure(material: Material) -> Figures:
+    """Every profile that was chosen."""
+    with material.progress("references of the thresholds", len(material.profiles)) as advance:
+        return references(material.profiles, quick=material.quick, notify=advance)
+
+
+def tables(found: Figures) -> dict[str, Table]:
+    """``hot`` and ``flicker``."""
+    return {"hot": _hot_pixels(found), "flicker": _flickering(found)}
+
+
+def _hot_pixels(found: Figures) -> Table:
+    profiles = found["profiles"]
+    ranks = next(iter(profiles.values()))["hot"]
+    counts = list(next(iter(ranks.values())))
+    rows = []
+    for rank in ranks:
+        cells = [profiles[profile]["hot"][rank][count] for profile in profiles for count in counts]
+        spreads = [f"{each['median']:.2f} ({each['least']:.2f} to {each['most']:.2f})" for each in cells]
+        rows.append([f"rank {rank}" if rank != "0" else "the largest D", *spreads])
+    headings = ["reference", *(f"{profile}, {count} hot" for profile in profiles for count in counts)]
+    return Table("Corners with hot pixels over corners without: median (least to most)", headings, rows)
+
+
+def _flickering(found: Figures) -> Table:
+    profiles = found["profiles"]
+    gains = [f"{profile}, gain {gain:g}" for profile in profiles for gain in found["gains"]]
+    kinds = list(next(iter(profiles.values()))["flicker"])
+    rows = [[kind, *(str(n) for each in profiles.values() for n in each["flicker"][kind])] for kind in kinds]
+    return Table("Corners in light that flickers", ["reference", *gains], rows)
+
+
+SECTION = Section(
+    name="references",
+    title="What thresholds are fractions of",
+    measure=measure,
+    tables=tables,
+    facts=lambda found: {"gains": listed(found["gains"])},
+    needs=frozenset({"photographs"}),
+    options=frozenset({"profiles"}),
+)

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import compress
-from typing import Any, NamedTuple, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evaluation.figures import Figures, Notify
-from evaluation.inputs.sources import Pair
-from evaluation.methods.bootstrap import Values, estimate, mean, plain, relative_gain
+from evaluation.inputs.sources import Pair, photographs
+from evaluation.inputs.views import VIEWS, rendered_pairs
+from evaluation.methods.bootstrap import estimate, mean, plain, relative_gain
 from evaluation.methods.detectors import (
     MODES,
     PLAIN,
-    WITHOUT,
+    USUAL,
     DetectionCache,
     Detector,
     Mode,
@@ -24,15 +22,21 @@ from evaluation.methods.detectors import (
     Points,
     Thresholds,
     budget,
+    detectors,
 )
+from evaluation.methods.grouping import by_scene, figures_of_parts, parts_of
+from evaluation.methods.matching import TOLERANCE, known, match, project, visible
+from evaluation.presentation import pictures
+from evaluation.presentation import plots as style
+from evaluation.presentation.modes import draw_parts, mode_tables
+from evaluation.presentation.numbers import figure, number
+from evaluation.presentation.table import Table
+from evaluation.sections.section import Material, Section
 from golden import Parameters
 from golden.algorithm import Fit
-from golden.formats import MARGIN
 
-T = TypeVar("T")
-
-TOLERANCE = 1.5
-"""Pixels of the second view."""
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 class Score(NamedTuple):
@@ -50,47 +54,6 @@ class Score(NamedTuple):
         """Matches over the smaller number of corners; NaN where one view has none."""
         fewer = min(self.first, self.second)
         return self.matched / fewer if fewer else float("nan")
-
-
-def project(points: Points, homography: NDArray[np.floating[Any]]) -> Points:
-    """(n, 2) points through a homography."""
-    mapped = np.column_stack([points, np.ones(len(points))]) @ homography.T
-    return mapped[:, :2] / mapped[:, 2:]
-
-
-def inside(points: Points, image: NDArray[np.uint8], margin: float = MARGIN) -> NDArray[np.bool_]:
-    """Which points have so many pixels around them in the image."""
-    height, width = image.shape
-    x, y = points.T
-    return (x >= margin) & (y >= margin) & (x <= width - 1 - margin) & (y <= height - 1 - margin)
-
-
-def match(first: Points, second: Points, tolerance: float = TOLERANCE) -> tuple[NDArray[np.intp], Values]:
-    """Mutual nearest neighbours within the tolerance: (n, 2) indices, and their distances."""
-    if not len(first) or not len(second):
-        return np.empty((0, 2), np.intp), np.empty(0)
-    # not at the top: the other commands do without it
-    from scipy.spatial import cKDTree
-
-    distances, forwards = cKDTree(second).query(first)
-    _, backwards = cKDTree(first).query(second)
-    rows = np.arange(len(first))
-    mutual = (backwards[forwards] == rows) & (distances <= tolerance)
-    return np.column_stack([rows, forwards])[mutual], distances[mutual]
-
-
-def known(pair: Pair) -> NDArray[np.float64]:
-    """The homography of a pair that has one."""
-    assert pair.homography is not None, f"{pair.scene}, {pair.name} has no homography"
-    return pair.homography
-
-
-def visible(pair: Pair, first: Points, second: Points) -> tuple[Points, Points]:
-    """The corners that both views can show, support and all, in their order."""
-    homography = known(pair)
-    ahead = inside(project(first, homography), pair.second)
-    back = inside(project(second, np.linalg.inv(homography)), pair.first)
-    return first[ahead], second[back]
 
 
 class Visible:
@@ -143,15 +106,6 @@ def scores(
     return results
 
 
-def by_scene(pairs: list[Pair], values: Sequence[tuple[float, ...]]) -> list[Values]:
-    """Values of the pairs, those of one photograph together; pairs without a value are left out."""
-    groups: dict[str, list[tuple[float, ...]]] = {}
-    for pair, value in zip(pairs, values, strict=True):
-        if np.isfinite(value).all():
-            groups.setdefault(pair.scene, []).append(value)
-    return [np.array(group, dtype=np.float64) for group in groups.values()]
-
-
 def summary(pairs: list[Pair], found: list[Score]) -> Figures:
     """Repeatability, localisation error and numbers, as means over pairs; intervals over
     photographs.
@@ -179,45 +133,6 @@ def mode_figures(pairs: list[Pair], found: dict[str, list[Score]], *, views: boo
         for name, each in found.items():
             results[name]["views"] = _by_view(pairs, each)
     return results
-
-
-def figures_of_parts(
-    pairs: list[Pair],
-    found: dict[str, list[T]],
-    parts: dict[str, list[bool]],
-    summary: Callable[[list[Pair], list[T]], Figures],
-    gain: Callable[[list[Pair], list[T], list[T]], Figures],
-) -> Figures:
-    """Of each detector and each part of the pairs a summary, and the gain over no filter and over
-    ranking by D.
-
-    ``found`` has one score for each pair, of whatever kind ``summary`` and ``gain`` take.
-    """
-    results: Figures = {}
-    for name, each in found.items():
-        results[name] = {}
-        for part, chosen in parts.items():
-            some = take(pairs, chosen)
-            results[name][part] = summary(some, take(each, chosen))
-            results[name][part]["gain"] = {
-                base: gain(some, take(each, chosen), take(found[base], chosen))
-                for base in (name + WITHOUT, PLAIN)
-                if base in found and base != name
-            }
-    return results
-
-
-def parts_of(pairs: list[Pair]) -> dict[str, list[bool]]:
-    """Which pairs belong to all, and to each class of scene."""
-    parts = {"all": [True] * len(pairs)}
-    for group in sorted({pair.group for pair in pairs}):
-        parts[group] = [pair.group == group for pair in pairs]
-    return parts
-
-
-def take(items: list[T], chosen: list[bool]) -> list[T]:
-    """Those that are chosen."""
-    return list(compress(items, chosen))
 
 
 def _by_view(pairs: list[Pair], found: list[Score]) -> Figures:
@@ -267,3 +182,137 @@ def repeatability(
         "fits": fits,
         "curve": curve,
     }
+
+
+def measure(material: Material) -> Figures:
+    """Rendered views, and under ``given`` the user's pairs; None if there are none."""
+    result: Figures = {}
+    for name, pairs in (("rendered", material.views), ("given", material.user.pairs)):
+        with material.progress(f"repeatability of {name} pairs", len(MODES)) as advance:
+            measured = detectors(material.profiles)
+            found = repeatability(pairs, measured, quick=material.quick, notify=advance) if pairs else None
+            result[name] = found
+    return result
+
+
+def tables(found: Figures) -> dict[str, Table]:
+    """Each mode under its name, then ``fits`` and ``views``; those of given pairs begin so."""
+    rendered = found["rendered"]
+    made = mode_tables(rendered["modes"], "repeatability", "localisation")
+    fits = [
+        [name, figure(each["repeatability"], 3), figure(each["localisation"], 3)]
+        for name, each in rendered["fits"].items()
+    ]
+    equal = rendered["modes"][MODES[0].name]
+    views = [
+        [view, *(number(each["views"].get(view), 2) for each in equal.values())]
+        for view in equal[PLAIN]["views"]
+    ]
+    made["fits"] = Table(
+        "Corners of robust by fit, equal numbers", ["fit", "repeatability", "localisation, px"], fits
+    )
+    made["views"] = Table("Repeatability by view, equal numbers", ["view", *equal], views)
+    if found["given"]:
+        given = mode_tables(found["given"]["modes"], "repeatability", "localisation")
+        made |= {
+            f"given, {name}": replace(table, title=f"Given pairs: {table.title}")
+            for name, table in given.items()
+        }
+    return made
+
+
+def plot(found: Figures) -> bytes:
+    """Equal numbers, by class of scene and by number of corners."""
+    rendered = found["rendered"]
+    equal = rendered["modes"][MODES[0].name]
+    drawn = style.figure(4.6)
+    left, right = drawn.subplots(1, 2)
+    draw_parts(left, equal, "repeatability")
+    left.set_xlabel(f"repeatability at {rendered['tolerance']} px, equal numbers")
+    left.set_xlim(left=0)
+    if rendered["curve"]:
+        _curves(right, rendered["curve"], list(equal))
+    style.key(drawn, left)
+    return style.plot_file(drawn)
+
+
+def _curves(axes: Axes, curve: list[Figures], names: list[str]) -> None:
+    numbers = [1000 / point["pixels_per_corner"] for point in curve]
+    for name in style.in_order(names):
+        values = [point[name] for point in curve]
+        width = 2.6 if name in style.INTEREST else 1.3
+        axes.plot(numbers, values, marker="o", markersize=4, linewidth=width, color=style.colour(name))
+    axes.set_xlabel("corners per 1000 pixels, all photographs")
+    axes.set_ylim(0, 0.9)
+    axes.set_xlim(right=max(numbers) * 1.75)
+    axes.set_xticks([0.5, 1, 1.5, 2, 2.5])
+    style.end_labels(axes, {name: (max(numbers), curve[-1][name] or 0) for name in names}, gap=0.048)
+    style.plain(axes, grid="y")
+
+
+def facts(found: Figures) -> dict[str, Any]:
+    """How many views of what."""
+    return {
+        "views": [view.name for view in VIEWS],
+        "modes": list(found["rendered"]["modes"]),
+        "given": [f"given, {mode}" for mode in found["given"]["modes"]] if found["given"] else [],
+    }
+
+
+REPEATED_IN = (("grass", "rotation 8°"), ("china", "perspective, darker"), ("camera", "rotation 8°"))
+"""Photographs that are shown, and the view in which their corners are looked for."""
+_PART = 200
+"""Pixels of the part that is shown."""
+
+
+def picture(profiles: dict[str, Parameters]) -> bytes:
+    """Corners of part of a photograph, equal numbers in the whole: those another view has again,
+    and the others. A JPEG file.
+    """
+    images = {image.name: image for image in photographs()}
+    shown: list[Detector] = [each for each in detectors(profiles) if each.name in (*profiles, PLAIN)]
+    drawn = style.figure(8.4 * len(REPEATED_IN) / len(shown))
+    grid = drawn.subplots(len(REPEATED_IN), len(shown), squeeze=False)
+    for row, (name, view) in zip(grid, REPEATED_IN, strict=True):
+        (pair,) = rendered_pairs([images[name]], tuple(each for each in VIEWS if each.name == view))
+        for axes, detector in zip(row, shown, strict=True):
+            _compare(axes, pair, detector)
+    style.key(drawn, grid[0, 0])
+    return style.encoded(drawn, "jpg")
+
+
+def _compare(axes: Axes, pair: Pair, detector: Detector) -> None:
+    first, second = visible(pair, detector.ranked(pair.first, USUAL), detector.ranked(pair.second, USUAL))
+    count = min(budget(pair.first), len(first), len(second))
+    first, second = first[:count], second[:count]
+    pairs, _ = match(project(first, known(pair)), second)
+    again = np.zeros(count, bool)
+    again[pairs[:, 0]] = True
+    height, width = pair.first.shape
+    left, top = (width - _PART) / 2, (height - _PART) / 2
+    pictures.show(axes, pair.first)
+    looks: tuple[tuple[Any, dict[str, Any], str], ...] = (
+        (~again, {"marker": "x", "color": "#ff8c00"}, "not found again"),
+        (again, {"marker": "o", "color": "#00e6ff"}, "found again"),
+    )
+    for chosen, look, text in looks:
+        axes.plot(
+            *first[chosen].T, linestyle="none", markersize=5, markerfacecolor="none", label=text, **look
+        )
+    axes.set_xlim(left, left + _PART)
+    axes.set_ylim(top + _PART, top)
+    share = f"{again.sum()} of {count}" if count else "none"
+    axes.set_title(f"{detector.name}: {share}", fontsize=style.SMALL)
+
+
+SECTION = Section(
+    name="repeatability",
+    title="Repeatability",
+    measure=measure,
+    tables=tables,
+    plots={"repeatability.png": plot},
+    pictures={"repeated.jpg": picture},
+    facts=facts,
+    needs=frozenset({"views"}),
+    options=frozenset({"profiles", "images", "pairs"}),
+)

@@ -4,17 +4,33 @@ corners given to it.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from evaluation.figures import Figures, Notify
-from evaluation.inputs.sources import Pair
+from evaluation.inputs.sources import FRAMES_APART, PAIRS_PER_VIDEO, Pair
 from evaluation.methods.bootstrap import estimate, mean, relative_gain
-from evaluation.methods.detectors import MODES, DetectionCache, Detector, Mode, Points, budget
+from evaluation.methods.detectors import (
+    MODES,
+    PAPER_LOW,
+    WITHOUT,
+    DetectionCache,
+    Detector,
+    Mode,
+    Points,
+    budget,
+    detectors,
+)
+from evaluation.methods.grouping import by_scene, figures_of_parts, parts_of
+from evaluation.methods.matching import TOLERANCE, project
 from evaluation.methods.tracker import LARGEST_RETURN_ERROR, LEAST_CORRELATION, REACH, WINDOW, Tracks, track
-from evaluation.sections.repeatability import TOLERANCE, by_scene, figures_of_parts, parts_of, project
+from evaluation.presentation import paper_accuracy as paper
+from evaluation.presentation import plots as style
+from evaluation.presentation.modes import draw_parts, mode_tables, some
+from evaluation.presentation.table import Table
+from evaluation.sections.section import Material, Section
 
 VIDEO = "video"
 """Name of all pairs whose homography nobody knows."""
@@ -142,3 +158,86 @@ def robustness(pairs: list[Pair], detectors: list[Detector], *, notify: Notify |
         "left_out": len(pairs) - len(chosen),
         "modes": {mode.name: mode_figures(chosen, found[mode.name]) for mode in MODES},
     }
+
+
+def measure(material: Material) -> Figures:
+    """Videos, rendered views and the user's pairs."""
+    with material.progress("robustness", len(trackable(material.moving))) as advance:
+        return robustness(material.moving, detectors(material.profiles), notify=advance)
+
+
+def tables(found: Figures) -> dict[str, Table]:
+    """``table_6`` beside the paper's if both profiles were measured, then each mode under its name."""
+    made = {"table_6": _table_6(found["modes"], found["videos"])} if _has_paper(found) else {}
+    return made | mode_tables(found["modes"], "rho")
+
+
+def _has_paper(found: Figures) -> bool:
+    return all("paper" in mode for mode in found["modes"].values())
+
+
+def _table_6(modes: Figures, videos: list[str]) -> Table:
+    rows = [
+        ["the paper", f"{index}", _share(*row.shi_tomasi), _share(*row.paper), "", ""]
+        for index, row in enumerate(paper.TABLE_6, start=1)
+    ]
+    low = modes[f"thresholds {PAPER_LOW.name}"]
+    same = modes[f"as many as paper at {PAPER_LOW.name}"]
+    for video in videos:
+        columns = ((low, "paper" + WITHOUT), (low, "paper"), (same, "paper" + WITHOUT), (same, "chance"))
+        parts = [mode[name][video] for mode, name in columns]
+        rows.append(["ours", video, *(_share(part["tracked"], part["given"]) for part in parts)])
+    headings = [
+        *("", "video", f"Shi-Tomasi (ours: paper without filter, σ1 = {PAPER_LOW.sigma1})"),
+        f"this work (ours: paper, {PAPER_LOW.name})",
+        "as many of Shi-Tomasi's strongest",
+        "as many points anywhere",
+    ]
+    return Table("The paper's Table 6: tracked / detected", headings, rows, names=2)
+
+
+def _share(tracked: int, given: int) -> str:
+    return f"{tracked:,} / {given:,} = {tracked / given:.2f}" if given else "none detected"
+
+
+def plot(found: Figures) -> bytes:
+    """A panel for each mode in which there are corners."""
+    modes = {name: each for name, each in found["modes"].items() if any(map(some, each.values()))}
+    lines = -(-len(modes) // 2)
+    drawn = style.figure(2.6 * lines + 0.4)
+    panels = drawn.subplots(lines, 2, sharex=True, sharey=True, squeeze=False)
+    for axes, (mode, each) in zip(panels.flat, modes.items(), strict=False):
+        draw_parts(axes, each, "rho")
+        for value, line, name in zip(paper.MEAN_RHO, (":", "--"), ("Shi-Tomasi", "the paper"), strict=True):
+            axes.axvline(value, color="black", linewidth=1, linestyle=line, label=f"Table 6: {name}")
+        axes.set_title(mode, fontsize=10)
+        axes.set_xlim(0, 1)
+        axes.set_xticks([0, 0.2, 0.4, 0.6, 0.8, 1], ["0", "0.2", "0.4", "0.6", "0.8", "1"])
+    for axes in list(panels.flat)[len(modes) :]:
+        axes.set_visible(False)
+    for axes in panels[-1]:
+        axes.set_xlabel("rho = tracked / detected")
+    style.key(drawn, panels[0, 0], columns=5)
+    return style.plot_file(drawn)
+
+
+def facts(found: Figures) -> dict[str, Any]:
+    """How the pairs of frames are chosen."""
+    return {
+        "per_video": PAIRS_PER_VIDEO,
+        "apart": FRAMES_APART,
+        "modes": list(found["modes"]),
+        "has_paper": _has_paper(found),
+    }
+
+
+SECTION = Section(
+    name="robustness",
+    title="Robustness, the paper's Table 6",
+    measure=measure,
+    tables=tables,
+    plots={"robustness.png": plot},
+    facts=facts,
+    needs=frozenset({"views", "videos"}),
+    options=frozenset({"profiles", "images", "pairs", "videos"}),
+)

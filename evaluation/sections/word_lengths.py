@@ -1,307 +1,126 @@
-"""What fewer bits would save and cost: of A, B and C after smoothing, of D, and of the mantissas of
-the offset.
-
-Accuracy is that of the golden model's own functions with some of their results cut. Area is that of
-the blocks that hold these numbers, built for so many bits and mapped to Cyclone IV as
-``cornerstream synth`` does it.
-"""
+"""What fewer bits would save and cost: of A, B and C, of D, and of the mantissas of the offset."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from itertools import count
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from amaranth.lib import wiring
-from numpy.typing import NDArray
+from evaluation.figures import Figures
+from evaluation.methods.narrowing import steps, word_lengths
+from evaluation.presentation import plots as style
+from evaluation.presentation.numbers import figure, number
+from evaluation.presentation.pictures import of_interest
+from evaluation.presentation.table import Strong, Table
+from evaluation.sections.section import Material, Section
 
-from evaluation.figures import Figures, Notify
-from evaluation.inputs import scenes
-from evaluation.inputs.scenes import Kind, Scene
-from evaluation.inputs.sources import NamedImage, photographs
-from evaluation.methods.bootstrap import Statistic, Values, estimate, median
-from flow.cyclone4.area import Area
-from flow.cyclone4.synthesis import map_component
-from golden import Corners, Parameters, Settings, decode
-from golden.convolution import KERNEL, SHIFT
-from golden.formats import OFFSET_BITS, WINDOW_SIZE
-from golden.frame import Frame, response_map
-from golden.normal_equations import PIXEL_SIZE, normal_equations
-from golden.preprocessing import IntArray, gradients, products
-from golden.response import response
-from golden.subpixel import FITS, derivative_bits, peak
-from golden.thresholds import thresholds
-from hdl.build import Build
-from hdl.parts.circular_buffer import CircularBuffer
-from hdl.response import Response
-from hdl.subpixel import Subpixel
-from hdl.window_stage import WindowStage
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
-Responses = Callable[[NDArray[np.uint8]], IntArray]
-
-KINDS: tuple[Kind, ...] = ("L", "saddle")
-EVERY = 7
-"""Of the wide set's scenes, one of so many: coprime to the number of noises and polarities, which
-alternate.
-"""
-TENSOR_BITS = (16, 14, 12, 10)
-RESPONSE_CUTS = (0, 1, 2, 4)
-MANTISSAS = (8, 10, 11, 12, 13, 14)
-WITHIN = 4.0
-"""A corner this near to a rendered one is that one, in px."""
-WIDTH = 1200
-"""Of the line buffers, as in the paper's Table 1."""
+SWEEPS = {"tensor": "A, B, C", "response": "D", "mantissa": "mantissas"}
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Narrow(Parameters):
-    """A detector whose D has some bits less: for its blocks' area only."""
-
-    cut: int = 0
-
-    @property
-    def response_max(self) -> int:
-        return super().response_max >> self.cut
+def measure(material: Material) -> Figures:
+    """The sweep for ``robust``, or for the first profile that was chosen."""
+    done = count(1)
+    with material.progress("word lengths, with synthesis", steps()) as advance:
+        return word_lengths(of_interest(material.profiles), notify=lambda _: advance(next(done)))
 
 
-def word_lengths(parameters: Parameters, *, quick: bool = False, notify: Notify | None = None) -> Figures:
-    """Sweeps of the widths that cost most, for one detector with 8-bit pixels.
-
-    Parameters
-    ----------
-    parameters
-        The detector; cut is what the sweep says, the rest is as it is.
-    quick
-        Fewer points, photographs and scenes.
-
-    Returns
-    ------- For ``"tensor"`` (A, B, C), ``"response"`` (D) and ``"mantissa"`` a list of points, each
-    with ``bits``, whether they are the ``default``, ``area`` of the blocks named in ``blocks``
-    (``le``, ``memory_bits``), and what accuracy is left. Of the first two ``same``: corners that
-    photographs have both with all bits and with these, out of those that either has, with the
-    default thresholds; and per kind the ``median`` distance to rendered corners in px. Of mantissas
-    ``error``: median, 95th and 99th percentile of the distance to the exact offset in px.
-
-    Raises
-    ------
-    ToolNotFoundError, ToolError
-        Synthesis is not possible.
-    """
-    images = photographs(quick=quick)
-    rendered = {kind: _scenes(kind, quick) for kind in KINDS}
-    few = 2 if quick else None
-    result: Figures = {"blocks": {"tensor": "response", "response": _D_BLOCKS, "mantissa": "subpixel"}}
-    sweeps: tuple[tuple[str, Iterator[Figures]], ...] = (
-        ("tensor", _tensor(parameters, images, rendered, TENSOR_BITS[:few])),
-        ("response", _response(parameters, images, rendered, RESPONSE_CUTS[:few])),
-        ("mantissa", _mantissa(parameters, images, MANTISSAS[1:4:2] if quick else MANTISSAS)),
-    )
-    for name, points in sweeps:
-        result[name] = []
-        for point in points:
-            result[name].append(point)
-            if notify:
-                notify(1)
-    return result
+def tables(found: Figures) -> dict[str, Table]:
+    """A table for each sweep; the default stands out."""
+    return {
+        "tensor": _cut("bits of A, B, C", found["tensor"]),
+        "response": _cut("bits of D", found["response"]),
+        "mantissa": Table(
+            "Word lengths: mantissas of the gradient step's sums",
+            ["bits", "LE", "clocks per corner", "median error, px", "95 %", "99 %"],
+            [
+                [
+                    *(_bits(point), number(point["area"]["le"]), number(point["clocks"])),
+                    *(figure(point["error"][share], 3) for share in ("median", "p95", "p99")),
+                ]
+                for point in found["mantissa"]
+            ],
+        ),
+    }
 
 
-def steps(*, quick: bool = False) -> int:
-    """How often :func:`word_lengths` notifies."""
-    return 6 if quick else len(TENSOR_BITS) + len(RESPONSE_CUTS) + len(MANTISSAS)
+def _cut(words: str, points: list[Figures]) -> Table:
+    rows = [
+        [
+            *(_bits(point), number(point["area"]["le"]), number(point["area"]["memory_bits"])),
+            figure(point["same"], 3),
+            *(figure(point[kind]["median"]) for kind in ("L", "saddle")),
+        ]
+        for point in points
+    ]
+    headings = [words, "LE", "memory bits", "the same corners", "L, px", "saddle, px"]
+    return Table(f"Word lengths: {words}", headings, rows)
 
 
-def _scenes(kind: Kind, quick: bool) -> list[Scene]:
-    return list(scenes.wide_set(kind, quick=quick))[:: 1 if quick else EVERY]
+def _bits(point: Figures) -> str:
+    return Strong(point["bits"]) if point["default"] else str(point["bits"])
 
 
-# -- A, B and C
+def plot(found: Figures) -> bytes:
+    """Area above, accuracy below, over the bits of each sweep."""
+    drawn = style.figure(4.8)
+    panels = drawn.subplots(2, len(SWEEPS), sharex="col")
+    for (area, accuracy), (name, title) in zip(panels.T, SWEEPS.items(), strict=True):
+        points = found[name]
+        area.set_title(title, fontsize=10)
+        area.plot(
+            [point["bits"] for point in points],
+            [point["area"]["le"] for point in points],
+            *("s-",),
+            color="#0072b2",
+            linewidth=2,
+        )
+        area.set_ylim(0, 1.15 * max(point["area"]["le"] for point in points))
+        _accuracy(accuracy, points, mantissas=name == "mantissa")
+        accuracy.set_xlabel("bits")
+        for axes in (area, accuracy):
+            style.plain(axes, grid="y")
+            for point in points:
+                if point["default"]:
+                    axes.axvline(point["bits"], color="#555555", linewidth=1, linestyle=":")
+                    axes.text(
+                        *(point["bits"], 0.03, " default"),
+                        transform=axes.get_xaxis_transform(),
+                        fontsize=style.SMALL,
+                        ha="right",
+                    )
+    panels[0, 0].set_ylabel("logic elements")
+    return style.plot_file(drawn)
 
 
-def _built(parameters: Parameters, **changes: Any) -> Build:
-    """As it is built by default."""
-    return replace(Build(algorithm=parameters.algorithm), pixel_bits=parameters.pixel_bits, **changes)
+def _accuracy(axes: Axes, points: list[Figures], *, mantissas: bool) -> None:
+    estimates = [point["error"]["p99"] if mantissas else point["same"] for point in points]
+    for point, estimate in zip(points, estimates, strict=True):
+        style.point(axes, point["bits"], estimate, flat=False, color="#d55e00")
+    bits, values = [point["bits"] for point in points], [estimate["value"] for estimate in estimates]
+    axes.plot(bits, values, color="#d55e00", linewidth=2)
+    if mantissas:
+        style.logarithmic(axes, (0.005, 0.01, 0.02, 0.05, 0.1, 0.2))
+        axes.set_ylabel("99th percentile of error, px")
+    else:
+        axes.set_ylim(0, 1.05)
+        axes.set_ylabel("share of the same corners")
 
 
-def _tensor(
-    parameters: Parameters,
-    images: Sequence[NamedImage],
-    rendered: dict[Kind, list[Scene]],
-    widths: Sequence[int],
-) -> Iterator[Figures]:
-    full = parameters.product_bits
-    for bits in widths:
-        cut = full - bits
-
-        def responses(image: NDArray[np.uint8], cut: int = cut) -> IntArray:
-            parts = products(
-                *gradients(image, parameters.algorithm.derivative), parameters.algorithm.gradient
-            )
-            return response(*(_smooth(part, cut) for part in parts))
-
-        # the same block for pixels of fewer bits
-        block = Response(_built(parameters, pixel_bits=parameters.pixel_bits - cut // 2))
-        yield {
-            "bits": bits,
-            "default": bits == full,
-            "area": _area(block),
-            **_detections(parameters, images, rendered, responses, cut),
-        }
+def facts(found: Figures) -> dict[str, Any]:
+    """Which blocks hold the numbers."""
+    return {"blocks": found["blocks"]}
 
 
-def _smooth(product: IntArray, cut: int) -> IntArray:
-    """As ``golden.convolution.smooth``, with so many bits less."""
-    windows = np.lib.stride_tricks.sliding_window_view(product, KERNEL.shape)
-    total = np.einsum("yxvu,vu->yx", windows, KERNEL)
-    half = 1 << (SHIFT + cut - 1)
-    rounded: IntArray = (total + half - 1 + (total >= 0)) >> (SHIFT + cut)
-    return rounded
-
-
-# -- D
-
-
-_D_BLOCKS = "response buffer, texture filter, centre rows, corner detection"
-
-
-def _d_area(parameters: Parameters) -> Figures:
-    """Of the blocks that look at windows of D."""
-    windows = WindowStage(parameters)
-    buffer = CircularBuffer(
-        parameters.response_bits, WINDOW_SIZE, WIDTH, _built(parameters).buffering, registers=1
-    )
-    blocks = (buffer, windows.texture_filter, windows.centre_rows, windows.corner_detection)
-    return _plain(sum((map_component(block, "part")[0].area for block in blocks), start=Area()))
-
-
-def _response(
-    parameters: Parameters,
-    images: Sequence[NamedImage],
-    rendered: dict[Kind, list[Scene]],
-    cuts: Sequence[int],
-) -> Iterator[Figures]:
-    fields = vars(parameters)
-    for cut in cuts:
-
-        def responses(image: NDArray[np.uint8], cut: int = cut) -> IntArray:
-            return response_map(image, parameters) >> cut
-
-        narrow = _Narrow(**{**fields, "max_width": WIDTH}, cut=cut)
-        yield {
-            "bits": parameters.response_bits - cut,
-            "default": cut == 0,
-            "area": _d_area(narrow),
-            **_detections(parameters, images, rendered, responses, cut),
-        }
-
-
-def _ratio(values: Values) -> Values:
-    """Of the sums of both columns."""
-    part, whole = np.moveaxis(values.sum(axis=-2), -1, 0)
-    return np.where(whole > 0, part / np.maximum(whole, 1), np.nan)
-
-
-def _detections(
-    parameters: Parameters,
-    images: Sequence[NamedImage],
-    rendered: dict[Kind, list[Scene]],
-    responses: Responses,
-    cut: int,
-) -> Figures:
-    shared = []
-    for image in images:
-        exact = _places(_corners(image.pixels, response_map(image.pixels, parameters), parameters, 0))
-        found = _places(_corners(image.pixels, responses(image.pixels), parameters, cut))
-        shared.append(np.array([[len(exact & found), len(exact | found)]]))
-    result: Figures = {"same": estimate(shared, _ratio)}
-    for kind, some in rendered.items():
-        distances = []
-        for scene in some:
-            corners = _corners(scene.image, responses(scene.image), parameters, cut)
-            nearest = np.hypot(corners.x - scene.x, corners.y - scene.y).min(initial=np.inf)
-            distances.append(np.array([nearest] if nearest < WITHIN else []))
-        result[kind] = {
-            "median": estimate(distances, median),
-            "detected": sum(map(len, distances)),
-            "of": len(some),
-        }
-    return result
-
-
-def _corners(image: NDArray[np.uint8], responses: IntArray, parameters: Parameters, cut: int) -> Corners:
-    """With the default thresholds, in units of what is left of D."""
-    settings = Settings.default(parameters)
-    frame = Frame(image, parameters, settings, responses)
-    limits = thresholds(settings, max(frame.maximum, settings.floor >> cut), parameters)
-    return decode(frame.records(limits))
-
-
-def _places(corners: Corners) -> set[tuple[float, float]]:
-    return set(zip(corners.x.tolist(), corners.y.tolist(), strict=True))
-
-
-# -- mantissas
-
-
-def _mantissa(
-    parameters: Parameters, images: Sequence[NamedImage], widths: Sequence[int]
-) -> Iterator[Figures]:
-    step, fit = parameters.changed(fit="gradient"), FITS["gradient"]
-    windows = [_windows(image.pixels, step) for image in images]
-    sums = [normal_equations(pixels) for pixels in windows]
-    exact = [_solution(*(part.astype(np.float64) for part in parts)) for parts in sums]
-    for kept in widths:
-        errors = []
-        for parts, truth in zip(sums, exact, strict=True):
-            offset = peak(parts, derivative_bits(step), kept, fit.limit)
-            given = np.stack([offset.dx, offset.dy]) / (1 << OFFSET_BITS)
-            inside = np.abs(truth).max(axis=0) < fit.limit / (1 << OFFSET_BITS)
-            errors.append(np.hypot(*(given - truth))[inside])
-        block = Subpixel(step, kept)
-        yield {
-            "bits": kept,
-            "default": kept == fit.mantissa_bits,
-            "area": _area(block),
-            "clocks": block.interval,
-            "error": {
-                "median": estimate(errors, median),
-                **{f"p{share}": estimate(errors, _percentile(share)) for share in (95, 99)},
-            },
-        }
-
-
-def _windows(image: NDArray[np.uint8], parameters: Parameters) -> NDArray[np.uint8]:
-    """The pixels around every corner, by the default T1 and whatever the texture filter says."""
-    frame = Frame(image, parameters, Settings.default(parameters))
-    _, limits = frame.own_thresholds()
-    corners = frame.candidates(limits)
-    windows = np.lib.stride_tricks.sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))
-    return windows[corners.y - PIXEL_SIZE // 2, corners.x - PIXEL_SIZE // 2]
-
-
-def _solution(
-    xx: NDArray[np.float64],
-    yy: NDArray[np.float64],
-    xy: NDArray[np.float64],
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    determinant = xx * yy - xy * xy
-    with np.errstate(divide="ignore", invalid="ignore"):
-        solved = np.stack([yy * x + xy * y, xx * y + xy * x]) / determinant
-    return np.where(determinant > 0, solved, np.inf)
-
-
-def _percentile(share: int) -> Statistic:
-    return lambda values: np.asarray(np.percentile(values[..., 0], share, axis=-1))
-
-
-# -- area
-
-
-def _area(block: wiring.Component) -> Figures:
-    return _plain(map_component(block, "part")[0].area)
-
-
-def _plain(area: Area) -> Figures:
-    return {"le": area.le_packed, "memory_bits": area.memory_bits}
+SECTION = Section(
+    name="word_lengths",
+    title="Word lengths",
+    measure=measure,
+    tables=tables,
+    plots={"word_lengths.png": plot},
+    facts=facts,
+    needs=frozenset({"photographs", "synthesis"}),
+    options=frozenset({"profiles"}),
+    not_quick="it maps blocks to Cyclone IV, which takes minutes",
+)

@@ -15,10 +15,10 @@ import cornerstream.simulation
 import cornerstream.synth
 import cornerstream.verilog
 from cornerstream.cli import main
-from cornerstream.eval_tables import TABULATED
-from evaluation.report.study import NOT_QUICK, SECTIONS
+from evaluation.sections.registry import SECTIONS
 from tests.support.runner import CliRunner
 
+NOT_QUICK = {name for name, section in SECTIONS.items() if section.not_quick}
 IDLE = "which changes nothing; allowed: "
 
 
@@ -64,7 +64,7 @@ NO_PAGE = f"{IDLE}without --page"
 AIMED = "--target-corners 9 --reference constant"
 CONSTANT = f"{IDLE}from --floor on, which is 1024"
 FLOOR = f"--floor is 99, {IDLE}with --reference previous, or above --constant, which is 8192"
-VIEWS = "with --only repeatability or robustness or texture"
+VIEWS = "with --only repeatability or robustness or ablation"
 
 
 @pytest.mark.parametrize(
@@ -98,12 +98,14 @@ VIEWS = "with --only repeatability or robustness or texture"
         ("eval --page --boards boards", f"--boards is boards, {NO_PAGE}"),
         ("eval --only accuracy --images boards", f"--images is boards, {IDLE}{VIEWS}"),
         ("eval --only accuracy --pairs boards", f"--pairs is boards, {IDLE}{VIEWS}"),
-        ("eval --only repeatability --video a.mp4", f"{IDLE}with --only robustness or texture"),
+        ("eval --only repeatability --video a.mp4", f"{IDLE}with --only robustness or ablation"),
         ("eval --only accuracy --boards boards", f"--boards is boards, {IDLE}with --only chessboards"),
         ("eval --board-size 9x6", f"--board-size is 9x6, {IDLE}with --boards"),
-        ("eval --json --only texture --profile paper", f"--profile is paper, {IDLE}with --only accuracy"),
-        ("eval --only texture", "--only is texture, which has no table; allowed: with --json or --output"),
-        ("eval --json --quick --only adaptation", "--only is adaptation, which is not measured with --quick"),
+        ("eval --json --only ablation --profile paper", f"--profile is paper, {IDLE}with --only accuracy"),
+        (
+            "eval --json --quick --only adaptation",
+            "--only is adaptation, which --quick leaves out: its video",
+        ),
     ],
 )
 def test_refused(folder: Path, line: str, message: str) -> None:
@@ -148,9 +150,9 @@ def test_taken(line: str) -> None:
 @pytest.mark.parametrize(
     ("line", "sections"),
     [
-        ("eval", set(TABULATED)),
-        ("eval --quick", set(TABULATED) - set(NOT_QUICK)),
-        ("eval --quick --json", set(SECTIONS) - set(NOT_QUICK)),
+        ("eval", set(SECTIONS)),
+        ("eval --quick", set(SECTIONS) - NOT_QUICK),
+        ("eval --quick --json", set(SECTIONS) - NOT_QUICK),
         ("eval --json", set(SECTIONS)),
         ("eval --only table5", {"table5"}),
     ],
@@ -159,6 +161,6 @@ def test_nothing_is_measured_that_is_not_shown(
     monkeypatch: pytest.MonkeyPatch, line: str, sections: set[str]
 ) -> None:
     asked: list[str] = []
-    monkeypatch.setattr(cornerstream.eval, "study", lambda *, sections, **_: asked.extend(sections) or {})
+    monkeypatch.setattr(cornerstream.eval, "study", lambda names, _: asked.extend(names) or {})
     assert run(line).exit_code == 0
     assert set(asked) == sections and len(asked) == len(sections)

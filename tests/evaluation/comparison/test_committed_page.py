@@ -21,6 +21,7 @@ from evaluation.comparison.figures import (
     structure,
 )
 from evaluation.figures import Figures
+from evaluation.report.compact import compact
 
 DOCS = Path(__file__).parents[3] / "docs" / "results"
 QUICK = builds(SIZES[-1:])
@@ -32,6 +33,12 @@ def committed() -> Figures:
 
 def test_committed_page_is_written_from_the_committed_figures() -> None:
     assert (DOCS / comparison.PAGE_NAME).read_text(encoding="utf-8") == comparison.page(committed())
+
+
+def test_committed_figures_are_a_build_a_line() -> None:
+    text = (DOCS / comparison.FIGURES_NAME).read_text(encoding="utf-8")
+    assert text == compact(committed())
+    assert len(text.splitlines()) == len(committed()["builds"]) + 5
 
 
 def test_committed_figures_are_complete() -> None:

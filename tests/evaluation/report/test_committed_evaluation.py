@@ -12,11 +12,11 @@ import pytest
 
 from evaluation.inputs.scenes import KINDS
 from evaluation.methods.detectors import MODES, detectors
-from evaluation.methods.localisation import INTEGER
+from evaluation.methods.localisation import INTEGER, Outcome
+from evaluation.report.compact import compact
 from evaluation.report.page import FIGURES_NAME, PAGE_NAME, PICTURES, page
-from evaluation.report.plots import plots
-from evaluation.report.study import SECTIONS
-from evaluation.sections.accuracy import Outcome, paper_scenes
+from evaluation.sections.registry import SECTIONS
+from evaluation.sections.table_5 import paper_scenes
 from golden import PROFILES, Parameters, Settings
 from golden.algorithm import Fit
 from tests.support import profiles
@@ -35,24 +35,30 @@ def test_committed_page_is_written_from_the_committed_figures() -> None:
     assert (DOCS / PAGE_NAME).read_text(encoding="utf-8") == page(committed())
 
 
+def test_committed_figures_are_a_record_a_line() -> None:
+    text = (DOCS / FIGURES_NAME).read_text(encoding="utf-8")
+    assert text == compact(committed()) and len(text.splitlines()) < 1500
+
+
 def test_committed_figures_are_complete() -> None:
     found = committed()
     assert not found["about"]["quick"]
-    assert {*SECTIONS, "about"} <= set(found)
+    assert ["about", *SECTIONS] == list(found)
     assert found["chessboards"]["photographed"]["boards"] > 20
     for name in PROFILES:
         for kind in KINDS:
             assert found["accuracy"][name][kind]["scenes"] == 432
-    for section in ("repeatability", "robustness"):
-        assert list(found[section]["modes"]) == [mode.name for mode in MODES]
-        for mode in found[section]["modes"].values():
+    for section in (found["repeatability"]["rendered"], found["robustness"]):
+        assert list(section["modes"]) == [mode.name for mode in MODES]
+        for mode in section["modes"].values():
             assert list(mode) == [detector.name for detector in detectors(profiles.ALL)]
 
 
 def test_pictures_of_the_page_are_there_and_small() -> None:
     text = (DOCS / PAGE_NAME).read_text(encoding="utf-8")
     files = sorted((DOCS / PICTURES).iterdir())
-    assert set(plots(committed())) <= {path.name for path in files}
+    drawn = {name for section in SECTIONS.values() for name in (*section.plots, *section.pictures)}
+    assert drawn == {path.name for path in files}
     assert all(f"]({PICTURES}/{path.name})" in text for path in files)
     assert text.count(f"]({PICTURES}/") == len(files)
     assert sum(path.stat().st_size for path in files) < MOST_BYTES

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,20 +15,22 @@ import pytest
 from click.testing import Result
 from PIL import Image
 
-from cornerstream import eval_tables
 from cornerstream.cli import main
-from cornerstream.eval import figures_text
+from cornerstream.eval_tables import terminal
 from evaluation.figures import Figures
 from evaluation.inputs import scenes
+from evaluation.inputs.boards import rendered_boards
 from evaluation.inputs.scenes import KINDS
 from evaluation.inputs.sources import STRUCTURE, TEXTURE, NamedImage, Pair
-from evaluation.report import study
-from evaluation.report.page import page
-from evaluation.report.plots import plots
-from evaluation.report.study import SECTIONS, UserData
-from evaluation.sections.accuracy import paper_scenes
+from evaluation.report.compact import compact
+from evaluation.report.page import page, plots
+from evaluation.report.study import study
+from evaluation.sections import chessboards, table_5
+from evaluation.sections.registry import SECTIONS
+from evaluation.sections.section import Material, UserData
 from golden import PROFILES, Parameters
 from golden.version import VERSION
+from tests.support import profiles
 from tests.support.runner import CliRunner
 
 
@@ -44,22 +47,24 @@ def own() -> UserData:
     return UserData(images=images, videos=video, pairs=[given])
 
 
+QUICK = [name for name, section in SECTIONS.items() if not section.not_quick]
+
+
 @cache
 def measured() -> Figures:
     """Everything, on two crops; measured once."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(scenes, "ORIENTATIONS", (60,))
         patch.setattr("evaluation.methods.bootstrap.RESAMPLES", 5)
-        patch.setattr("evaluation.sections.accuracy._elsewhere", lambda positions: iter(paper_scenes()[:2]))
-        patch.setattr(study, "rendered_boards", lambda quick: study.boards.rendered_boards(quick=True)[:1])
-        return study.study(quick=True, own=own())
+        patch.setattr(table_5, "_elsewhere", lambda positions: iter(table_5.paper_scenes()[:2]))
+        patch.setattr(chessboards, "rendered_boards", lambda quick: rendered_boards(quick=True)[:1])
+        return study(QUICK, Material(profiles.ALL, True, own()))
 
 
 def test_one_object_that_json_can_hold() -> None:
     found = json.loads(json.dumps(measured(), allow_nan=False))
     assert found == measured()
-    too_long = {"adaptation", "references", "word_lengths"}
-    assert {*SECTIONS, "about", "pairs"} - too_long == set(found)
+    assert list(found) == ["about", *QUICK] and found["repeatability"]["given"]["pairs"] == 1
     for name in PROFILES:
         parameters = Parameters.profile(name)
         for kind in KINDS:
@@ -96,8 +101,8 @@ def test_every_figure_has_an_interval_around_it() -> None:
 
 def test_sections_can_be_chosen() -> None:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("evaluation.sections.accuracy._elsewhere", lambda positions: iter(()))
-        found = study.study(sections=("table5",), profiles={"paper": Parameters.profile("paper")})
+        patch.setattr(table_5, "_elsewhere", lambda positions: iter(()))
+        found = study(["table5"], Material({"paper": Parameters.profile("paper")}))
     assert set(found) == {"about", "table5"} and set(found["table5"]) == {"paper"}
     assert "Table 5" in page(found)
 
@@ -106,7 +111,7 @@ def test_page_shows_what_was_measured() -> None:
     text = page(measured())
     assert "not to be quoted" in text and "{{" not in text and "None" not in text and "nan" not in text
     for heading in ("Accuracy", "Table 5", "Chessboards", "Repeatability", "Given pairs", "Robustness"):
-        assert re.search(rf"^## .*{heading}", text, re.MULTILINE), heading
+        assert re.search(rf"^##+ .*{heading}", text, re.MULTILINE), heading
     first = measured()["accuracy"]["robust"]["L"]
     assert f"{first['median']:.2f}" in text
     for line in (line for line in text.splitlines() if line.startswith("|")):
@@ -124,22 +129,24 @@ def test_tables_of_a_page_are_rectangular() -> None:
 
 
 def test_plots_are_pictures_and_always_the_same() -> None:
-    first, second = plots(measured()), plots(measured())
-    assert set(first) == {"accuracy.png", "repeatability.png", "robustness.png", "texture.png"}
-    assert first == second
+    first = plots(measured())
+    assert set(first) == {"accuracy.png", "repeatability.png", "robustness.png", "ablation.png"}
     assert all(content.startswith(b"\x89PNG") for content in first.values())
+    assert plots({"accuracy": measured()["accuracy"]}) == {"accuracy.png": first["accuracy.png"]}
 
 
-def test_tables_for_the_terminal() -> None:
-    titles = [str(table.title) for table in eval_tables.tables(measured())]
-    assert len(titles) == 6 and all(table.row_count for table in eval_tables.tables(measured()))
-    assert any("given pairs" in title for title in titles)
+@pytest.mark.parametrize("name", QUICK)
+def test_every_section_has_tables_for_page_and_terminal(name: str) -> None:
+    tables = SECTIONS[name].tables(measured()[name])
+    assert tables
+    for table in tables.values():
+        shown = terminal(table)
+        assert shown.title == table.title and shown.row_count == len(table.rows) > 0
+        assert len(shown.columns) == len(table.headings)
 
 
 def test_figures_as_text_are_the_figures() -> None:
-    text = figures_text(measured())
-    assert json.loads(text) == measured()
-    assert max(map(len, text.splitlines())) < 2000
+    assert json.loads(compact(measured())) == measured()
 
 
 def run(*arguments: str) -> Result:
@@ -147,15 +154,17 @@ def run(*arguments: str) -> Result:
 
 
 def test_command_writes_page_and_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cornerstream.eval.study", lambda **options: measured())
-    monkeypatch.setattr("cornerstream.eval.pictures", lambda profiles: {"localisation.png": b"picture"})
+    monkeypatch.setattr("cornerstream.eval.study", lambda names, material: measured())
+    drawn = {"accuracy": replace(SECTIONS["accuracy"], pictures={"a.png": lambda profiles: b"picture"})}
+    for module in ("cornerstream.eval", "evaluation.report.page"):
+        monkeypatch.setattr(f"{module}.SECTIONS", drawn)
     folder = tmp_path / "made" / "here"
     result = run("--output", str(folder), "--json")
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout) == measured()
     assert (folder / "evaluation.md").read_text(encoding="utf-8") == page(measured())
     assert json.loads((folder / "evaluation.json").read_text(encoding="utf-8")) == measured()
-    assert (folder / "evaluation" / "localisation.png").read_bytes() == b"picture"
+    assert (folder / "evaluation" / "a.png").read_bytes() == b"picture"
     assert (folder / "evaluation" / "accuracy.png").stat().st_size > 1000
     (folder / "evaluation.md").unlink()
     assert run("--output", str(folder), "--page").exit_code == 0
@@ -165,8 +174,8 @@ def test_command_writes_page_and_figures(tmp_path: Path, monkeypatch: pytest.Mon
 def test_command_hands_on_what_the_user_gave(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     given: Figures = {}
 
-    def pretend(**options: Any) -> Figures:
-        given.update(options)
+    def pretend(names: tuple[str, ...], material: Material) -> Figures:
+        given.update(vars(material), names=names)
         return {"about": {}}
 
     monkeypatch.setattr("cornerstream.eval.study", pretend)
@@ -202,8 +211,8 @@ def test_command_hands_on_what_the_user_gave(tmp_path: Path, monkeypatch: pytest
     )
     assert result.exit_code == 0, result.output
     assert given["quick"] and list(given["profiles"]) == ["paper"]
-    assert given["sections"] == ("robustness", "chessboards")
-    own = given["own"]
+    assert given["names"] == ("robustness", "chessboards")
+    own = given["user"]
     assert [(each.name, each.group) for each in own.images] == [("a/1.png", "a"), ("b/2.jpg", "b")]
     (pair,) = own.pairs
     assert (pair.name, pair.scene, pair.homography[0, 2]) == ("1 to 3", "wall", 5)

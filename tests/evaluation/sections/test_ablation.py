@@ -9,20 +9,17 @@ from golden import Parameters
 
 pytest.importorskip("cv2")
 
-from dataclasses import replace
-
 from evaluation.inputs.sources import TEXTURE, NamedImage, Pair
 from evaluation.inputs.views import VIEWS, rendered_pairs
 from evaluation.methods.detectors import PLAIN, Ours
-from evaluation.sections.ablation import ADAPTIVE, PAPER_FILTER, chosen, steps, texture
+from evaluation.sections.ablation import ADAPTIVE, PAPER_FILTER, ablation, chosen, steps
 from tests.support.photographs import photograph
 
 
-def test_the_last_step_is_the_profile_but_for_its_buffers() -> None:
+def test_the_last_step_is_the_profile() -> None:
     last, robust = steps()[-1], Parameters.profile("robust")
     assert isinstance(last, Ours) and last.name == ADAPTIVE and last.filtered
-    buffers = {name: getattr(robust, name) for name in ("buffering", "max_width", "max_height")}
-    assert replace(last.parameters, **buffers) == robust
+    assert last.parameters.algorithm == robust.algorithm
 
 
 def test_views_of_photographs_are_chosen_and_all_other_pairs() -> None:
@@ -34,7 +31,7 @@ def test_views_of_photographs_are_chosen_and_all_other_pairs() -> None:
 
 def test_gains_over_ranking_by_d() -> None:
     image = NamedImage("gravel", photograph("gravel")[:260, :300], TEXTURE)
-    result = texture(rendered_pairs([image], VIEWS[:1]))
+    result = ablation(rendered_pairs([image], VIEWS[:1]))
     assert (result["pairs"], result["scenes"]) == (1, ["gravel"])
     repeatability = {name: step["repeatability"][TEXTURE] for name, step in result["steps"].items()}
     assert len({step["corners"] for step in repeatability.values()}) == 1

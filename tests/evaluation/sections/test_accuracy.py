@@ -7,9 +7,8 @@ import pytest
 
 from evaluation.inputs import scenes
 from evaluation.inputs.scenes import KINDS, Scene, scene
-from evaluation.methods.localisation import INTEGER, OPENCV
-from evaluation.sections import accuracy
-from evaluation.sections.accuracy import Outcome, figures, kind_figures, paper_scenes, table_5, wide
+from evaluation.methods.localisation import INTEGER, OPENCV, Outcome
+from evaluation.sections.accuracy import figures, kind_figures, wide
 from golden import PROFILES, Parameters, Settings
 from tests.support import profiles
 
@@ -89,19 +88,3 @@ def test_wide_set_has_every_profile_and_kind(monkeypatch: pytest.MonkeyPatch) ->
             each = found[name][kind]
             assert each["median"] == each["methods"][parameters.algorithm.fit]["median"]
             assert each["scenes"] == 4 and set(each["median_by_noise"]) == {"3"}
-
-
-def test_table_5_has_its_eight_rows_and_their_mean(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(accuracy, "_elsewhere", lambda positions: iter(paper_scenes()[:1]))
-    parameters = Parameters.profile("paper")
-    found = table_5({"paper": parameters})["paper"]
-    assert [row["shape"] for row in found["rows"]] == [
-        *(f"{degrees}° corner" for degrees in (0, 30, 45, 60)),
-        *(f"{degrees}° solid corner" for degrees in (30, 45, 60, 90)),
-    ]
-    errors = np.abs([np.subtract(row["nine"], (17.6, 129.4)) for row in found["rows"]])
-    x, y = errors.mean(0)
-    assert found["methods"]["nine"]["x"]["value"] == pytest.approx(x, abs=1e-3)
-    assert found["methods"]["nine"]["y"]["value"] == pytest.approx(y, abs=1e-3)
-    # a wedge's peak of D is not the pixel that the paper prints
-    assert found["rows"][4]["integer"] != [18, 129]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from evaluation.sections.adaptation import LAWS, SCENES, TARGETS, adaptation, plot, stepped, video
+from evaluation.sections.adaptation import LAWS, SCENES, TARGETS, adaptation, plot, stepped, tables, video
 
 
 def test_video_is_the_same_every_time() -> None:
@@ -30,3 +30,4 @@ def test_the_histogram_is_nearer_than_steps() -> None:
         )
         assert histogram < 0.05 and paper < 0.2 and steps > 2 * histogram
     assert plot(record).startswith(b"\x89PNG")
+    assert len(tables(record)["laws"].rows) == len(TARGETS) * len(LAWS)

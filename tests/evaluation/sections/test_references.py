@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cornerstream.eval_tables import tables
-from evaluation.report.page import flicker, hot_pixels, page
+from evaluation.report.page import page
 from evaluation.report.study import about
 from evaluation.sections import references
 from tests.support import profiles
@@ -16,11 +15,7 @@ from tests.support import profiles
 
 @pytest.fixture(scope="module")
 def found() -> dict[str, Any]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(references, "PHOTOGRAPHS", ("brick",))
-        patch.setattr(references, "DRAWS", 1)
-        patch.setattr(references, "FRAMES", 8)
-        return references.references(profiles.ALL)
+    return references.references(profiles.ALL, quick=True)
 
 
 def test_a_rank_forgets_hot_pixels_and_an_average_flicker(found: dict[str, Any]) -> None:
@@ -41,9 +36,9 @@ def test_hot_pixels_are_where_corners_can_be() -> None:
 
 
 def test_its_tables(found: dict[str, Any]) -> None:
-    for headings, rows in (hot_pixels(found), flicker(found)):
-        assert len(rows) >= 5 and all(len(row) == len(headings) == 5 for row in rows)
-    assert [table.row_count for table in tables({"references": found})] == [5, 6]
+    tables = references.tables(found)
+    assert [len(table.rows) for table in tables.values()] == [5, 6]
+    assert all(len(table.headings) == 5 for table in tables.values())
     text = page(
         {
             "about": about(profiles.ALL, quick=False),

@@ -10,16 +10,14 @@ from numpy.typing import NDArray
 
 from evaluation.inputs.sources import Pair
 from evaluation.methods.detectors import MODES, WITHOUT, DetectionCache, detectors
+from evaluation.methods.grouping import by_scene
+from evaluation.methods.matching import inside, match, project
 from evaluation.sections.repeatability import (
     Score,
     Visible,
     by_fit,
-    by_scene,
     corners_of,
-    inside,
-    match,
     mode_figures,
-    project,
     repeatability,
     scores,
 )

@@ -1,18 +1,9 @@
-"""Tables of the generated pages."""
+"""Numbers as text, each kind in one place."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
-
-_ALIGN = {"l": "---", "r": "---:"}
-
-
-def table(headings: Sequence[str], rows: Iterable[Sequence[str]], align: str = "l") -> str:
-    """A table; ``align`` has l or r for each column, and what it leaves out is r."""
-    sides = [_ALIGN[side] for side in align.ljust(len(headings), "r")]
-    lines = [headings, sides, *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def number(value: float | None, digits: int = 0) -> str:
@@ -43,3 +34,14 @@ def percent(estimate: dict[str, Any] | None) -> str:
         return text
     low, high = estimate["interval"]
     return f"{text} [{100 * low:+.0f}, {100 * high:+.0f}]"
+
+
+def listed(values: Sequence[float]) -> str:
+    """Numbers as in a sentence: 0, 3 and 6."""
+    *first, last = (f"{value:g}" for value in values)
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def share(value: float) -> str:
+    """A part of a whole: 12 %."""
+    return f"{100 * value:.0f} %"

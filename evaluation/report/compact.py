@@ -1,0 +1,37 @@
+"""JSON to be read and compared: nested as it is, but one record a line."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+LONGEST = 600
+"""Characters of a line: enough for one record; a list of numbers alone may be longer."""
+
+
+def compact(value: Any) -> str:
+    """JSON in which whatever fits into a line is on one, ending in a line break."""
+    return _lines(value, "") + "\n"
+
+
+def _lines(value: Any, indent: str) -> str:
+    whole = json.dumps(value, ensure_ascii=False)
+    if len(indent) + len(whole) <= LONGEST or not _nested(value):
+        return whole
+    deeper = indent + " "
+    if isinstance(value, dict):
+        parts = [
+            f"{json.dumps(key, ensure_ascii=False)}: {_lines(each, deeper)}" for key, each in value.items()
+        ]
+        first, last = "{}"
+    else:
+        parts = [_lines(each, deeper) for each in value]
+        first, last = "[]"
+    return f"{first}\n" + ",\n".join(deeper + part for part in parts) + f"\n{indent}{last}"
+
+
+def _nested(value: Any) -> bool:
+    """Whether it holds more than plain figures, so that lines make it clearer."""
+    if isinstance(value, dict):
+        return True
+    return isinstance(value, list) and any(isinstance(each, (dict, list)) for each in value)

@@ -1,0 +1,128 @@
+"""What a section of the study is, and what all sections of a run measure on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal
+
+from evaluation.figures import Figures, Notify
+from evaluation.inputs.boards import Board
+from evaluation.inputs.sources import NamedImage, Pair, packaged_videos, photographs
+from evaluation.inputs.views import QUICK_VIEWS, VIEWS, rendered_pairs
+from evaluation.presentation.table import Table
+from golden import Parameters
+
+Progress = Callable[[str, int], AbstractContextManager[Notify]]
+"""Called with what is being measured and how many steps it takes; gives what is to be called with
+the number of steps done.
+"""
+Option = Literal["profiles", "images", "pairs", "videos", "boards"]
+Need = Literal["views", "videos", "photographs", "synthesis"]
+
+
+@dataclass
+class UserData:
+    """Images that the user gave. Photographs and videos replace those that packages ship.
+
+    Attributes
+    ----------
+    images
+        Photographs, of which views are rendered.
+    pairs
+        Pairs with a homography.
+    videos
+        Pairs of frames without a homography.
+    boards
+        Photographs of chessboards, measured beside the rendered ones.
+    """
+
+    images: list[NamedImage] = field(default_factory=list)
+    pairs: list[Pair] = field(default_factory=list)
+    videos: list[Pair] = field(default_factory=list)
+    boards: list[Board] = field(default_factory=list)
+
+
+def _silent(text: str, total: int) -> AbstractContextManager[Notify]:
+    return nullcontext(lambda done: None)
+
+
+@dataclass
+class Material:
+    """What the sections of one run measure, and on what.
+
+    Attributes
+    ----------
+    profiles
+        Detectors, by name.
+    quick
+        Few scenes, photographs and views: to see that everything works. The figures are not to be
+        quoted.
+    user
+        Images that the user gave.
+    progress
+        Shows how far a section is.
+    """
+
+    profiles: dict[str, Parameters]
+    quick: bool = False
+    user: UserData = field(default_factory=UserData)
+    progress: Progress = _silent
+
+    @cached_property
+    def views(self) -> list[Pair]:
+        """Views rendered from photographs, for all sections once."""
+        images = self.user.images or photographs(quick=self.quick)
+        with self.progress("rendering views", len(images)) as advance:
+            return rendered_pairs(images, VIEWS[:QUICK_VIEWS] if self.quick else VIEWS, notify=advance)
+
+    @cached_property
+    def moving(self) -> list[Pair]:
+        """Pairs of frames of videos, the rendered views, and the user's pairs."""
+        return (self.user.videos or packaged_videos(quick=self.quick)) + self.views + self.user.pairs
+
+
+def _nothing(*_: Any) -> dict[str, Any]:
+    return {}
+
+
+@dataclass(frozen=True)
+class Section:
+    """One thing that is measured, and all that shows it.
+
+    Attributes
+    ----------
+    name
+        As ``--only`` takes it; also the key of its figures in the study.
+    title
+        Heading on the page.
+    measure
+        Returns plain figures, as JSON takes them.
+    tables
+        Makes tables of the figures, by the name under which the page's prose places them.
+    plots
+        By file name, what draws the figures; returns the file's bytes.
+    pictures
+        By file name, what draws single images for these profiles; it needs no figures.
+    facts
+        What the page's prose mentions besides tables.
+    needs
+        What must be installed unless the user gives images.
+    options
+        Options of the command that change what is measured.
+    not_quick
+        Why ``--quick`` leaves the section out, in one line; empty if there is a quick form.
+    """
+
+    name: str
+    title: str
+    measure: Callable[[Material], Figures]
+    tables: Callable[[Figures], dict[str, Table]]
+    plots: Mapping[str, Callable[[Figures], bytes]] = field(default_factory=dict)
+    pictures: Mapping[str, Callable[[dict[str, Parameters]], bytes]] = field(default_factory=dict)
+    facts: Callable[[Figures], dict[str, Any]] = _nothing
+    needs: frozenset[Need] = frozenset()
+    options: frozenset[Option] = frozenset()
+    not_quick: str = ""

@@ -1,0 +1,53 @@
+"""Word lengths: nothing cut changes nothing, fewer bits cost accuracy and save area."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from evaluation.inputs.sources import photographs
+from evaluation.methods import narrowing
+from golden import Parameters
+from golden.convolution import smooth
+from golden.frame import response_map
+
+ROBUST = Parameters.profile("robust")
+
+
+def test_smoothing_with_all_bits_is_goldens() -> None:
+    product = np.random.default_rng(0).integers(-65025, 65025, (30, 40), np.int32)
+    assert np.array_equal(narrowing._smooth(product, 0), smooth(product))
+
+
+@pytest.mark.parametrize("bits", [1, 2, 5])
+def test_a_cut_rounds_the_exact_sum_once(bits: int) -> None:
+    product = np.random.default_rng(1).integers(-65025, 65025, (20, 20), np.int32)
+    cut, whole = narrowing._smooth(product, bits), smooth(product)
+    assert np.abs(cut * (1 << bits) - whole).max() <= (1 << (bits - 1)) + 1
+
+
+def test_detections_get_fewer_in_common_bit_by_bit() -> None:
+    images = photographs(quick=True)[:2]
+    rendered = {kind: narrowing._scenes(kind, quick=True)[:6] for kind in narrowing.KINDS}
+    shares = []
+    for cut in (0, 2, 5):
+        found = narrowing._detections(
+            ROBUST, images, rendered, lambda image, cut=cut: response_map(image, ROBUST) >> cut, cut
+        )
+        shares.append(found["same"]["value"])
+        assert all(found[kind]["detected"] == found[kind]["of"] for kind in rendered)
+    assert shares[0] == 1 > shares[1] > shares[2]
+
+
+def test_narrow_detectors_have_narrow_responses() -> None:
+    fields = vars(ROBUST)
+    narrow = narrowing._Narrow(**fields, cut=3)
+    assert (narrow.response_bits, narrow.product_bits) == (ROBUST.response_bits - 3, ROBUST.product_bits)
+
+
+def test_mantissas_cost_area_and_give_accuracy() -> None:
+    points = list(narrowing._mantissa(ROBUST, photographs(quick=True)[:1], (9, 12)))
+    few, many = points
+    assert few["area"]["le"] < many["area"]["le"] and few["clocks"] >= many["clocks"]
+    assert few["error"]["p99"]["value"] > 2 * many["error"]["p99"]["value"]
+    assert [point["default"] for point in points] == [False, True]
