@@ -16,6 +16,8 @@ from hdl.edges.video_detector import VideoDetector
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "reference" / "edges.md").read_text(encoding="utf-8")
+PROSE = " ".join(PAGE.split())
+"""The page as one line, wherever its lines are broken."""
 BENCH = (ROOT / "tests" / "benches" / "bench_axi_malformed.py").read_text(encoding="utf-8")
 
 
@@ -44,13 +46,13 @@ def test_every_malformation_has_a_test_and_its_own_bit() -> None:
 @pytest.mark.parametrize("buffering", ["lean", "banked"])
 def test_latency(buffering: str) -> None:
     detector = VideoDetector(Build.profile("paper", buffering=buffering))
-    found = re.search(r"\*\*(\d+)\*\* clocks later with `lean` buffers and \*\*(\d+) \+ 2·width\*\*", PAGE)
+    found = re.search(r"\*\*(\d+)\*\* clocks later with `lean` buffers and \*\*(\d+) \+ 2·width\*\*", PROSE)
     assert found
     lean, banked = (int(number) for number in found.groups())
     for width in (15, 1920):
         told = lean if buffering == "lean" else banked + 2 * width
         assert detector.frame_latency(width) == told
-    assert f"{lean} (or {banked} + 2·width) clocks" in PAGE
+    assert f"{lean} (or {banked} + 2·width) clocks" in PROSE
 
 
 @pytest.mark.parametrize(("interface", "title"), [("axi", "AXI"), ("avalon", "Avalon")])

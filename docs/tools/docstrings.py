@@ -14,6 +14,7 @@ from typing import Any
 from griffe import Attribute, DocstringSectionKind, ExprCall, Extension, Object
 
 _MEMBERS = re.compile(r"^Members\n-+$", re.MULTILINE)
+_SHARED = re.compile(r"^(\w+(?:, \w+)+)\n((?:    .*(?:\n|$))+)", re.MULTILINE)
 _ROLE = re.compile(r":(?:class|data|func|meth|mod):`~?([^`]+)`")
 
 
@@ -29,6 +30,11 @@ class Docstrings(Extension):
         if docstring is None:
             return
         docstring.value = _ROLE.sub(r"`\1`", docstring.value)
+        # names that share a description would get the type and the default of the first
+        docstring.value = _SHARED.sub(
+            lambda shared: "".join(f"{name}\n{shared[2]}\n" for name in shared[1].split(", ")),
+            docstring.value,
+        )
         if not _MEMBERS.search(docstring.value):
             return
         docstring.value = _MEMBERS.sub("Attributes\n----------", docstring.value)
