@@ -1,0 +1,12 @@
+"""Members and fields that not every detector is built with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def optional(built: bool, **parts: Any) -> dict[str, Any]:
+    """The parts by name if they are built, else none: members of a component, fields of a layout,
+    submodules.
+    """
+    return parts if built else {}
