@@ -19,16 +19,16 @@ frames only.
 """
 
 
-def check_core(parameters: Build, interface: Interface) -> None:
+def check_core(build: Build, interface: Interface) -> None:
     """Raise ``ValueError`` if there is no core with these parameters and such edges."""
     if interface not in get_args(Interface):
         raise ValueError(f"interface is {interface!r}; allowed: {', '.join(get_args(Interface))}")
     if interface == "avalon":
-        AvalonCore.check(parameters)
+        AvalonCore.check(build)
 
 
-def make_core(parameters: Build, interface: Interface) -> Any:
-    """The top of a core with such edges; ``ValueError`` if there is none with these parameters."""
-    check_core(parameters, interface)
+def make_core(build: Build, interface: Interface) -> Any:
+    """The top of a core with such edges; ``ValueError`` if there is none with these build."""
+    check_core(build, interface)
     tops: dict[Interface, Any] = {"axi": AxiCore, "avalon": AvalonCore, "stream": Detector}
-    return tops[interface](parameters)
+    return tops[interface](build)

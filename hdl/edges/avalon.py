@@ -52,17 +52,17 @@ class AvalonCore(wiring.Component):
     """
 
     @staticmethod
-    def check(parameters: Build) -> None:
+    def check(build: Build) -> None:
         """Raise ``ValueError`` if it cannot be built so."""
-        if parameters.video_out:
+        if build.video_out:
             raise ValueError("video_out is True; allowed with Avalon edges: False")
 
-    def __init__(self, parameters: Build, *, detector: Any = None) -> None:
-        self.check(parameters)
-        self.core = Core(parameters, detector=detector, ends_of_line=False)
+    def __init__(self, build: Build, *, detector: Any = None) -> None:
+        self.check(build)
+        self.core = Core(build, detector=detector, ends_of_line=False)
         super().__init__(
             {
-                "asi_video_data": In(parameters.pixel_bits),
+                "asi_video_data": In(build.pixel_bits),
                 "asi_video_valid": In(1),
                 "asi_video_ready": Out(1),
                 "asi_video_startofpacket": In(1),

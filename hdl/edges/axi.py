@@ -17,6 +17,7 @@ from hdl.build import Build
 from hdl.edges.core import Core
 from hdl.edges.register import ADDRESS_BITS, DATA_BITS
 from hdl.edges.register_bank import register_bus
+from hdl.parts.optional import optional
 
 OKAY, SLVERR = 0b00, 0b10
 LITE = {
@@ -118,17 +119,10 @@ class AxiCore(wiring.Component):
         Interrupt, active high.
     """
 
-    def __init__(self, parameters: Build, *, detector: Any = None) -> None:
-        self._parameters = p = parameters
-        self.core = Core(p, detector=detector)
-        pixels = byte_lanes(p.pixel_bits)
-        video_out = {
-            "m_axis_video_tdata": Out(pixels),
-            "m_axis_video_tvalid": Out(1),
-            "m_axis_video_tready": In(1),
-            "m_axis_video_tuser": Out(2),
-            "m_axis_video_tlast": Out(1),
-        }
+    def __init__(self, build: Build, *, detector: Any = None) -> None:
+        self._build = build
+        self.core = Core(build, detector=detector)
+        pixels = byte_lanes(build.pixel_bits)
         super().__init__(
             {
                 "s_axis_tdata": In(pixels),
@@ -140,7 +134,14 @@ class AxiCore(wiring.Component):
                 "m_axis_tvalid": Out(1),
                 "m_axis_tready": In(1),
                 "m_axis_tlast": Out(1),
-                **(video_out if p.video_out else {}),
+                **optional(
+                    build.video_out,
+                    m_axis_video_tdata=Out(pixels),
+                    m_axis_video_tvalid=Out(1),
+                    m_axis_video_tready=In(1),
+                    m_axis_video_tuser=Out(2),
+                    m_axis_video_tlast=Out(1),
+                ),
                 **{f"s_axil_{name}": member for name, member in LITE.items()},
                 "irq": Out(1),
             }
@@ -166,13 +167,15 @@ class AxiCore(wiring.Component):
             core.records.ready.eq(self.m_axis_tready),
             self.irq.eq(core.irq),
         ]
-        if self._parameters.video_out:
-            overlay = core.overlay
-            m.d.comb += [
-                self.m_axis_video_tvalid.eq(overlay.valid),
-                self.m_axis_video_tdata.eq(overlay.payload.pixel),
-                self.m_axis_video_tuser.eq(Cat(overlay.payload.sof, overlay.payload.corner)),
-                self.m_axis_video_tlast.eq(overlay.payload.eol),
-                overlay.ready.eq(self.m_axis_video_tready),
-            ]
+        if self._build.video_out:
+            self._video_out(m, core.overlay)
         return m
+
+    def _video_out(self, m: Module, overlay: Any) -> None:
+        m.d.comb += [
+            self.m_axis_video_tvalid.eq(overlay.valid),
+            self.m_axis_video_tdata.eq(overlay.payload.pixel),
+            self.m_axis_video_tuser.eq(Cat(overlay.payload.sof, overlay.payload.corner)),
+            self.m_axis_video_tlast.eq(overlay.payload.eol),
+            overlay.ready.eq(self.m_axis_video_tready),
+        ]

@@ -6,17 +6,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module
+from amaranth.hdl import Cat, Module
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from hdl.build import Build
 from hdl.edges.frame_guard import video_layout
-from hdl.edges.overlay import overlay_layout
 from hdl.edges.register_bank import RegisterBank, register_bus
-from hdl.edges.video_detector import VideoDetector
+from hdl.edges.video_detector import VideoDetector, output_members, report_members
 from hdl.edges.watchdog import Watchdog
-from hdl.output_constructor import record_layout
 
 
 class Core(wiring.Component):
@@ -24,7 +22,7 @@ class Core(wiring.Component):
 
     Parameters
     ----------
-    parameters
+    build
         What to build.
     detector
         See ``VideoDetector``.
@@ -41,16 +39,15 @@ class Core(wiring.Component):
         Interrupt, high until software clears what caused it.
     """
 
-    def __init__(self, parameters: Build, *, detector: Any = None, ends_of_line: bool = True) -> None:
-        self._parameters = p = parameters
+    def __init__(self, build: Build, *, detector: Any = None, ends_of_line: bool = True) -> None:
+        self._build = build
         self._ends_of_line = ends_of_line
-        self.video_detector = VideoDetector(p, detector=detector)
-        self.bank = RegisterBank(p)
+        self.video_detector = VideoDetector(build, detector=detector)
+        self.bank = RegisterBank(build)
         super().__init__(
             {
-                "video": In(stream.Signature(video_layout(p))),
-                "records": Out(stream.Signature(record_layout())),
-                **({"overlay": Out(stream.Signature(overlay_layout(p)))} if p.video_out else {}),
+                "video": In(stream.Signature(video_layout(build))),
+                **output_members(build),
                 "bus": In(register_bus()),
                 "irq": Out(1),
             }
@@ -61,29 +58,22 @@ class Core(wiring.Component):
         m.submodules.video_detector = video = self.video_detector
         m.submodules.registers = bank = self.bank
         wiring.connect(m, wiring.flipped(self.video), video.video)
-        wiring.connect(m, video.records, wiring.flipped(self.records))
         wiring.connect(m, wiring.flipped(self.bus), bank.bus)
         m.d.comb += [
             video.control.eq(bank.control),
-            bank.active.eq(video.active),
-            bank.results.eq(video.results),
-            bank.clocks.eq(video.clocks),
-            bank.reset_done.eq(video.reset_done),
+            *(getattr(bank, name).eq(getattr(video, name)) for name in report_members(self._build)),
             *(bank.events[name].eq(video.events[name]) for name, _ in video.events.shape()),
             self.irq.eq(bank.irq),
         ]
-        if self._parameters.budget:
-            m.d.comb += bank.history.eq(video.history)
         if not self._ends_of_line:
             m.d.comb += video.control.ignore_eol.eq(1)
-        outputs = [self.records]
-        if self._parameters.video_out:
-            wiring.connect(m, video.overlay, wiring.flipped(self.overlay))
-            outputs.append(self.overlay)
-        stalled = [self._watch(m, f"output_{k}", o.valid & ~o.ready) for k, o in enumerate(outputs)]
+        outputs = {name: getattr(self, name) for name in output_members(self._build)}
+        for name, output in outputs.items():
+            wiring.connect(m, getattr(video, name), wiring.flipped(output))
+        stalled = [self._watch(m, name, each.valid & ~each.ready) for name, each in outputs.items()]
         m.d.comb += [
             bank.events.input_idle.eq(self._watch(m, "input", video.idle)),
-            bank.events.output_stalled.eq(stalled[0] | stalled[-1]),
+            bank.events.output_stalled.eq(Cat(stalled).any()),
         ]
         return m
 

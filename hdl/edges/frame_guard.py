@@ -15,9 +15,9 @@ from golden.video import Event
 from hdl.build import Build
 
 
-def video_layout(parameters: Build) -> data.StructLayout:
+def video_layout(build: Build) -> data.StructLayout:
     """A pixel with its framing: first of a frame, last of a line."""
-    return data.StructLayout({"pixel": unsigned(parameters.pixel_bits), "sof": 1, "eol": 1})
+    return data.StructLayout({"pixel": unsigned(build.pixel_bits), "sof": 1, "eol": 1})
 
 
 def events_layout(*events: Event) -> data.StructLayout:
@@ -46,9 +46,9 @@ class FrameGuard(wiring.Component):
     Members
     -------
     i
-        Stream of ``video_layout(parameters)``.
+        Stream of ``video_layout(build)``.
     o
-        Stream of ``video_layout(parameters)``: pixels of whole frames, framed as they should be.
+        Stream of ``video_layout(build)``: pixels of whole frames, framed as they should be.
     width, height
         Size of the next frame, 15x15 up to the built maximum; kept from its first pixel on.
     frame_width, frame_height
@@ -74,13 +74,13 @@ class FrameGuard(wiring.Component):
 
     latency = 1
 
-    def __init__(self, parameters: Build) -> None:
-        self._parameters = p = parameters
-        width, height = range(p.max_width + 1), range(p.max_height + 1)
+    def __init__(self, build: Build) -> None:
+        self._build = build
+        width, height = range(build.max_width + 1), range(build.max_height + 1)
         super().__init__(
             {
-                "i": In(stream.Signature(video_layout(p))),
-                "o": Out(stream.Signature(video_layout(p))),
+                "i": In(stream.Signature(video_layout(build))),
+                "o": Out(stream.Signature(video_layout(build))),
                 "width": In(width),
                 "height": In(height),
                 "frame_width": Out(width, init=SUPPORT),
@@ -180,8 +180,8 @@ class FrameGuard(wiring.Component):
         All are counted alike, so that a line or a frame too much can be told. Returns: is it the
         last of a row?
         """
-        p = self._parameters
-        x, y = Signal(range(p.max_width)), Signal(range(p.max_height))
+        build = self._build
+        x, y = Signal(range(build.max_width)), Signal(range(build.max_height))
         # ends are known a pixel ahead, and a row: as registers
         last_but_one_x, last_but_one_y = (Signal.like(place, init=SUPPORT - 2) for place in (x, y))
         with m.If(~self.active):

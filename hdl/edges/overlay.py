@@ -20,11 +20,11 @@ _CLOCKS = 128
 """And the clocks of the way through the detector, with some to spare."""
 
 
-def overlay_layout(parameters: Build) -> data.StructLayout:
+def overlay_layout(build: Build) -> data.StructLayout:
     """A pixel, whether it is an accepted corner (as a whole pixel), and its place in frame and
     line.
     """
-    return data.StructLayout({"pixel": unsigned(parameters.pixel_bits), "corner": 1, "sof": 1, "eol": 1})
+    return data.StructLayout({"pixel": unsigned(build.pixel_bits), "corner": 1, "sof": 1, "eol": 1})
 
 
 class Overlay(wiring.Component):
@@ -40,25 +40,25 @@ class Overlay(wiring.Component):
     Members
     -------
     i
-        Stream of ``video_layout(parameters)``: pixels of whole frames.
+        Stream of ``video_layout(build)``: pixels of whole frames.
     corner_flags
         Stream of ``corner_flag_layout()``.
     restart
         Forget all but a beat at the output.
     o
-        Stream of ``overlay_layout(parameters)``, all of it registers.
+        Stream of ``overlay_layout(build)``, all of it registers.
     done
         A frame's last pixel moves to the output.
     """
 
-    def __init__(self, parameters: Build) -> None:
-        self._parameters = p = parameters
+    def __init__(self, build: Build) -> None:
+        self._build = build
         super().__init__(
             {
-                "i": In(stream.Signature(video_layout(p))),
+                "i": In(stream.Signature(video_layout(build))),
                 "corner_flags": In(stream.Signature(corner_flag_layout())),
                 "restart": In(1),
-                "o": Out(stream.Signature(overlay_layout(p))),
+                "o": Out(stream.Signature(overlay_layout(build))),
                 "done": Out(1),
             }
         )
@@ -66,15 +66,15 @@ class Overlay(wiring.Component):
     @property
     def depth(self) -> int:
         """Pixels that it holds."""
-        return _ROWS[self._parameters.buffering] * self._parameters.max_width + _CLOCKS
+        return _ROWS[self._build.buffering] * self._build.max_width + _CLOCKS
 
     @property
     def memory_bits(self) -> int:
-        return self.depth * (self._parameters.pixel_bits + 1)
+        return self.depth * (self._build.pixel_bits + 1)
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        stored = data.StructLayout({"pixel": unsigned(self._parameters.pixel_bits), "tag": 1})
+        stored = data.StructLayout({"pixel": unsigned(self._build.pixel_bits), "tag": 1})
         queue = Queue(stored, self.depth)
         m.submodules.pixels = ResetInserter(self.restart)(queue)
         room = Signal()

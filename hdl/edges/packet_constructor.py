@@ -20,6 +20,7 @@ from golden.output_constructor import (
 from golden.video import NO_LIMIT, Event
 from hdl.edges.frame_guard import events_layout
 from hdl.output_constructor import record_layout
+from hdl.parts.optional import optional
 
 PACKET_EVENTS = (Event.FRAME_DONE, Event.FRAME_CUT, Event.RECORDS_DROPPED)
 
@@ -82,7 +83,7 @@ class PacketConstructor(wiring.Component):
                 "closed": Out(1),
                 "clear": In(1),
                 "max_records": In(COUNT_BITS, init=NO_LIMIT),
-                **({"found": In(COUNT_BITS)} if budget else {}),
+                **optional(budget, found=In(COUNT_BITS)),
                 "o": Out(stream.Signature(record_layout())),
                 "done": Out(1),
                 "results": Out(results_layout()),
@@ -99,6 +100,8 @@ class PacketConstructor(wiring.Component):
         last = self.i.payload.last
         dropping = step & ~last & full
         delivered = self.o.valid & self.o.ready & self.o.payload.last
+        found, missing = (self.found, self.found - count) if self._budget else (count + dropped, dropped)
+        late = self._left_out(m) if self._budget else C(0)
         maximum = self.i.payload.record[RESPONSE_SHIFT : RESPONSE_SHIFT + RESPONSE_FIELD_BITS]
         m.d.comb += [
             free.eq(~self.o.valid | self.o.ready),
@@ -109,7 +112,7 @@ class PacketConstructor(wiring.Component):
             self.closed.eq(self.close & free),
             events.frame_done.eq(delivered & ~self.o.payload.record[CUT_SHIFT]),
             events.frame_cut.eq(delivered & self.o.payload.record[CUT_SHIFT]),
-            events.records_dropped.eq(dropping | self._left_out(m) if self._budget else dropping),
+            events.records_dropped.eq(dropping | late),
         ]
         # a clock ahead; the number of records grows by one at most
         with m.If(self.done | self.closed | self.clear):
@@ -136,13 +139,11 @@ class PacketConstructor(wiring.Component):
             ]
         with m.If(self.done):
             m.d.sync += [
-                results.corners.eq(count + dropped),
-                results.dropped.eq(dropped),
+                results.corners.eq(found),
+                results.dropped.eq(missing),
                 results.maximum.eq(maximum),
                 self.any_results.eq(1),
             ]
-            if self._budget:
-                m.d.sync += [results.corners.eq(self.found), results.dropped.eq(self.found - count)]
         with m.If(self.done | self.closed):
             m.d.sync += results.frames.eq(results.frames + 1)
         with m.If(self.clear):

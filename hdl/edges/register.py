@@ -18,7 +18,7 @@ ADDRESS_BITS = 8
 @dataclass(frozen=True)
 class Field:
     """Some bits of a register: ``bits`` of them from bit ``low`` up, which are ``reset`` after
-    reset. ``setting`` is the setting that they hold, where that has another name.
+    reset. ``source`` is the setting or the result that they show, where that has another name.
     """
 
     name: str
@@ -26,7 +26,7 @@ class Field:
     bits: int
     text: str
     reset: int = 0
-    setting: str = ""
+    source: str = ""
 
     @property
     def high(self) -> int:

@@ -7,18 +7,16 @@ from __future__ import annotations
 from typing import Any
 
 from amaranth.hdl import C, Cat, Module, Signal, Value
-from amaranth.lib import wiring
+from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.formats import SUPPORT
 from golden.video import Event
-from hdl.adaptation import adapted_layout
 from hdl.build import Build
 from hdl.edges.frame_guard import events_layout
-from hdl.edges.packet_constructor import results_layout
 from hdl.edges.register import ADDRESS_BITS, DATA_BITS, Field, Register
 from hdl.edges.register_map import RESET_BIT, TIMEOUT_BITS, register_map
-from hdl.edges.video_detector import CLOCK_BITS, control_layout, initial_control
+from hdl.edges.video_detector import control_layout, initial_control, report_members
 
 OWN_EVENTS = (Event.SIZE_CHANGED, Event.SIZE_REFUSED)
 OTHER_EVENTS = tuple(event for event in Event if event not in OWN_EVENTS)
@@ -52,7 +50,7 @@ def register_bus() -> wiring.Signature:
 class RegisterBank(wiring.Component):
     """Registers that software writes, results that it reads, events that stay until it clears them.
 
-    An event in the clock in which its bit is cleared is kept. The interrupt comes out of a
+    An event in the clock in which its bit is cleared stays set. The interrupt comes out of a
     register.
 
     Members
@@ -60,7 +58,7 @@ class RegisterBank(wiring.Component):
     bus
         ``register_bus()``, from the other side.
     control
-        ``control_layout(parameters)``.
+        ``control_layout(build)``.
     timeout
         Clocks.
     active, results, history, clocks, reset_done
@@ -71,22 +69,18 @@ class RegisterBank(wiring.Component):
         A bit of STATUS is set that is enabled.
     """
 
-    def __init__(self, parameters: Build) -> None:
-        self._parameters = parameters
-        self.registers = {register.name: register for register in register_map(parameters)}
+    def __init__(self, build: Build) -> None:
+        self._build = build
+        self.registers = {register.name: register for register in register_map(build)}
         status = len(Event)
         self._status_bits, self._enabled = Signal(status, name="status"), Signal(status, name="irq_enable")
         self._changed, self._refused = Signal(name="size_changed"), Signal(name="size_refused")
         super().__init__(
             {
                 "bus": In(register_bus()),
-                "control": Out(control_layout(parameters), init=initial_control(parameters)),
+                "control": Out(control_layout(build), init=initial_control(build)),
                 "timeout": Out(TIMEOUT_BITS, init=self.registers["TIMEOUT"].reset),
-                "active": In(1),
-                "results": In(results_layout()),
-                **({"history": In(adapted_layout(parameters))} if parameters.budget else {}),
-                "clocks": In(CLOCK_BITS),
-                "reset_done": In(1),
+                **{name: member.flip() for name, member in report_members(build).items()},
                 "events": In(events_layout(*OTHER_EVENTS)),
                 "irq": Out(1),
             }
@@ -115,12 +109,11 @@ class RegisterBank(wiring.Component):
         return m
 
     def _field(self, name: str) -> Value | None:
-        """Where a field is kept; None if it never changes."""
-        for place in (self.control, self.control.settings, self.results):
-            if name in dict(place.shape()):
+        """Where a field is stored; None if it never changes."""
+        reports = {name: getattr(self, name) for name in report_members(self._build)}
+        for place in (self.control, self.control.settings, *reports.values()):
+            if isinstance(place, data.View) and name in dict(place.shape()):
                 return Value.cast(place[name])
-        if self._parameters.budget and name in ("adapted_t1", "adapted"):
-            return Value.cast(self.history.t1 if name == "adapted_t1" else self.history.known)
         return {"timeout": self.timeout, "clocks": self.clocks}.get(name)
 
     def _contents(self, register: Register) -> Value:
@@ -130,17 +123,17 @@ class RegisterBank(wiring.Component):
             return self._enabled
         contents: Value = C(0, 0)
         for field in register.fields:
-            kept = self._field(field.setting or field.name)
-            bits = C(field.reset, field.bits) if kept is None else kept
+            stored = self._field(field.source or field.name)
+            bits = C(field.reset, field.bits) if stored is None else stored
             contents = Cat(contents, C(0, field.low - len(contents)), bits)
         return contents
 
-    def _write(self, m: Module, written: Signal, field: Field, kept: Value) -> None:
+    def _write(self, m: Module, written: Signal, field: Field, stored: Value) -> None:
         """The bytes that are written; the others stay."""
         for byte in range(field.low // 8, field.high // 8 + 1):
             low, high = max(8 * byte, field.low), min(8 * byte + 7, field.high)
             with m.If(written & self.bus.write_mask[byte]):
-                m.d.sync += kept[low - field.low : high + 1 - field.low].eq(
+                m.d.sync += stored[low - field.low : high + 1 - field.low].eq(
                     self.bus.write_data[low : high + 1]
                 )
 
@@ -149,10 +142,10 @@ class RegisterBank(wiring.Component):
             if register.access != "rw" or name in ("SIZE", "IRQ_ENABLE"):
                 continue
             for field in register.fields:
-                kept = self._field(field.setting or field.name)
-                assert kept is not None
+                stored = self._field(field.source or field.name)
+                assert stored is not None
                 if field.name != "reset":
-                    self._write(m, written[name], field, kept)
+                    self._write(m, written[name], field, stored)
         # asked for by a 1, and not to be taken back
         reset = self.control.reset
         with m.If(written["CONTROL"] & self.bus.write_mask[0] & self.bus.write_data[RESET_BIT]):
@@ -162,8 +155,8 @@ class RegisterBank(wiring.Component):
 
     def _size(self, m: Module, written: Signal) -> None:
         """Both halves are checked together, and so must be written together."""
-        p, bus = self._parameters, self.bus
-        limits = {"width": p.max_width, "height": p.max_height}
+        build, bus = self._build, self.bus
+        limits = {"width": build.max_width, "height": build.max_height}
         sizes = {
             field.name: bus.write_data[field.low : field.high + 1] for field in self.registers["SIZE"].fields
         }

@@ -51,10 +51,10 @@ def _single(
     bits: int,
     unit: str,
     reset: int = 0,
-    setting: str = "",
+    source: str = "",
 ) -> Register:
     """A register with one field, which has the register's name in small letters."""
-    field = Field(name.lower(), 0, bits, unit, reset, setting)
+    field = Field(name.lower(), 0, bits, unit, reset, source)
     return Register(name, address, access, text, (field,))
 
 
@@ -111,7 +111,7 @@ def _control(build: Build) -> tuple[Register, ...]:
                     2,
                     1,
                     "Thresholds are fractions of REFERENCE_INIT in every frame.",
-                    setting="use_constant",
+                    source="use_constant",
                 ),
                 Field("report_rejected", 3, 1, "Corners that the texture filter rejects are reported, too."),
                 Field(
@@ -313,8 +313,11 @@ def _budget(build: Build) -> tuple[Register, ...]:
                     build.response_bits,
                     f"{UNITS_OF_D}. With a target: T1, at least SIGMA1 times REFERENCE_MIN. "
                     "With a rank: the reference.",
+                    source="t1",
                 ),
-                Field("adapted", 31, 1, "There was such a frame, and it had a target or a rank."),
+                Field(
+                    "adapted", 31, 1, "There was such a frame, and it had a target or a rank.", source="known"
+                ),
             ),
         ),
     )

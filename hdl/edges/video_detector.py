@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Mux, ResetInserter, Signal, Value
+from amaranth.hdl import C, Module, Mux, ResetInserter, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -22,6 +22,7 @@ from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard, events_layout, video
 from hdl.edges.overlay import Overlay, overlay_layout
 from hdl.edges.packet_constructor import PACKET_EVENTS, PacketConstructor, results_layout
 from hdl.output_constructor import record_layout
+from hdl.parts.optional import optional
 from hdl.parts.stream import SkidBuffer
 from hdl.thresholds import settings_layout
 
@@ -29,7 +30,26 @@ VIDEO_EVENTS = (*PACKET_EVENTS, *GUARD_EVENTS)
 CLOCK_BITS = 32
 
 
-def control_layout(parameters: Build) -> data.StructLayout:
+def output_members(build: Build) -> dict[str, wiring.Member]:
+    """The streams that leave the core, by name."""
+    return {
+        "records": Out(stream.Signature(record_layout())),
+        **optional(build.video_out, overlay=Out(stream.Signature(overlay_layout(build)))),
+    }
+
+
+def report_members(build: Build) -> dict[str, wiring.Member]:
+    """What the registers show of the video, or do at its pace, by name."""
+    return {
+        "active": Out(1),
+        "results": Out(results_layout()),
+        **optional(build.budget, history=Out(adapted_layout(build))),
+        "clocks": Out(CLOCK_BITS),
+        "reset_done": Out(1),
+    }
+
+
+def control_layout(build: Build) -> data.StructLayout:
     """What can be set: ``golden.video.VideoSettings`` in the hardware's formats, and ``reset``,
     held until done.
     """
@@ -38,24 +58,24 @@ def control_layout(parameters: Build) -> data.StructLayout:
             "enable": 1,
             "ignore_eol": 1,
             "reset": 1,
-            "width": range(parameters.max_width + 1),
-            "height": range(parameters.max_height + 1),
+            "width": range(build.max_width + 1),
+            "height": range(build.max_height + 1),
             "max_records": COUNT_BITS,
-            "settings": settings_layout(parameters),
+            "settings": settings_layout(build),
         }
     )
 
 
-def initial_control(parameters: Build) -> dict[str, Any]:
+def initial_control(build: Build) -> dict[str, Any]:
     """After reset: the largest frame, usual thresholds, enabled only where it is built to start by
     itself.
     """
     return {
-        "enable": int(parameters.autostart),
-        "width": parameters.max_width,
-        "height": parameters.max_height,
+        "enable": int(build.autostart),
+        "width": build.max_width,
+        "height": build.max_height,
         "max_records": NO_LIMIT,
-        "settings": Settings.default(parameters).fixed(parameters),
+        "settings": Settings.default(build).fixed(build),
     }
 
 
@@ -74,21 +94,21 @@ class VideoDetector(wiring.Component):
 
     Parameters
     ----------
-    parameters
+    build
         What to build.
     detector
-        Another component with the members of ``Detector(parameters)``, to look at the edges alone.
+        Another component with the members of ``Detector(build)``, to look at the edges alone.
 
     Members
     -------
     video
-        Stream of ``video_layout(parameters)``. Its ready is a register.
+        Stream of ``video_layout(build)``. Its ready is a register.
     control
-        ``control_layout(parameters)``.
+        ``control_layout(build)``.
     records
         Stream of ``record_layout()``: one packet for each frame that began. All of it is registers.
     overlay
-        With ``video_out`` only: stream of ``overlay_layout(parameters)``. All of it is registers.
+        With ``video_out`` only: stream of ``overlay_layout(build)``. All of it is registers.
     results
         ``results_layout()``.
     clocks
@@ -100,31 +120,25 @@ class VideoDetector(wiring.Component):
     idle
         A frame is under way, and it is its next pixel that is waited for.
     history
-        With ``budget`` only: ``adapted_layout(parameters)``, of the last complete frame.
+        With ``budget`` only: ``adapted_layout(build)``, of the last complete frame.
     reset_done
         What ``control.reset`` asks for is done; one clock long.
     """
 
-    def __init__(self, parameters: Build, *, detector: Any = None) -> None:
-        self._parameters = p = parameters
-        self._skid = SkidBuffer(video_layout(p), closed_in_reset=True)
-        self._guard = FrameGuard(p)
-        self._detector = detector or Detector(p)
-        self._packets = PacketConstructor(budget=p.budget)
-        self._overlay = Overlay(p) if p.video_out else None
+    def __init__(self, build: Build, *, detector: Any = None) -> None:
+        self._build = build
+        self._skid = SkidBuffer(video_layout(build), closed_in_reset=True)
+        self._guard = FrameGuard(build)
+        self._detector = detector or Detector(build)
+        self._packets = PacketConstructor(budget=build.budget)
         super().__init__(
             {
-                "video": In(stream.Signature(video_layout(p))),
-                "control": In(control_layout(p), init=initial_control(p)),
-                "records": Out(stream.Signature(record_layout())),
-                **({"overlay": Out(stream.Signature(overlay_layout(p)))} if p.video_out else {}),
-                "results": Out(results_layout()),
-                **({"history": Out(adapted_layout(p))} if p.budget else {}),
-                "clocks": Out(CLOCK_BITS),
+                "video": In(stream.Signature(video_layout(build))),
+                "control": In(control_layout(build), init=initial_control(build)),
+                **output_members(build),
+                **report_members(build),
                 "events": Out(events_layout(*VIDEO_EVENTS)),
-                "active": Out(1),
                 "idle": Out(1),
-                "reset_done": Out(1),
             }
         )
 
@@ -148,18 +162,12 @@ class VideoDetector(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        guard, packets, overlay, detector = self._guard, self._packets, self._overlay, self._detector
+        guard, packets, detector = self._guard, self._packets, self._detector
         restart, stopped = Signal(), Signal()
         m.submodules.skid = self._skid
         m.submodules.guard = guard
         m.submodules.detector = ResetInserter(restart)(detector)
         m.submodules.packets = packets
-        if overlay is not None:
-            m.submodules.overlay = overlay
-            m.d.comb += overlay.restart.eq(restart)
-            wiring.connect(m, detector.corner_flags, overlay.corner_flags)
-            wiring.connect(m, overlay.o, wiring.flipped(self.overlay))
-
         wiring.connect(m, wiring.flipped(self.video), self._skid.i)
         wiring.connect(m, self._skid.o, guard.i)
         m.d.comb += [
@@ -169,7 +177,9 @@ class VideoDetector(wiring.Component):
             guard.ignore_eol.eq(self.control.ignore_eol),
             guard.restart.eq(restart),
         ]
-        self._feed(m)
+        room, shown = self._show(m, restart) if self._build.video_out else (C(1), C(1))
+        settled = self._store(m, restart) if self._build.budget else C(1)
+        self._feed(m, room)
 
         m.d.comb += [
             packets.i.valid.eq(detector.o.valid & ~stopped),
@@ -178,23 +188,37 @@ class VideoDetector(wiring.Component):
             packets.max_records.eq(self.control.max_records),
         ]
         wiring.connect(m, packets.o, wiring.flipped(self.records))
-        self._restart(m, restart, stopped)
+        self._restart(m, restart, stopped, shown & settled)
         self._report(m)
         return m
 
-    def _feed(self, m: Module) -> None:
-        """Guard to detector, and to the overlay in the same clocks."""
-        guard, detector, overlay = self._guard, self._detector, self._overlay
-        settings = self.control.settings
-        others_ready = overlay.i.ready if overlay is not None else 1
+    def _show(self, m: Module, restart: Signal) -> tuple[Value, Value]:
+        """The guard's pixels into the overlay, in the clocks in which the detector takes them.
+
+        Returns whether the overlay has room for one, and whether all complete frames have left it.
+        """
+        m.submodules.overlay = overlay = Overlay(self._build)
+        pixels, detector = self._guard.o, self._detector
+        m.d.comb += [
+            overlay.restart.eq(restart),
+            overlay.i.payload.eq(pixels.payload),
+            overlay.i.valid.eq(pixels.valid & detector.i.ready),
+        ]
+        wiring.connect(m, detector.corner_flags, overlay.corner_flags)
+        wiring.connect(m, overlay.o, wiring.flipped(self.overlay))
+        return overlay.i.ready, self._in_flight(m, "shown", overlay.done, restart) == 0
+
+    def _feed(self, m: Module, room: Value) -> None:
+        """The guard's pixels into the detector, where there is room for them elsewhere, too."""
+        guard, detector, settings = self._guard, self._detector, self.control.settings
         m.d.comb += [
             detector.i.payload.eq(guard.o.payload.pixel),
-            detector.i.valid.eq(guard.o.valid & others_ready),
-            guard.o.ready.eq(detector.i.ready & others_ready),
+            detector.i.valid.eq(guard.o.valid & room),
+            guard.o.ready.eq(detector.i.ready & room),
             detector.width.eq(guard.frame_width),
             detector.height.eq(guard.frame_height),
         ]
-        for name, _ in settings_layout(self._parameters):
+        for name, _ in settings_layout(self._build):
             if name != "constant":
                 m.d.comb += getattr(detector, str(name)).eq(settings[name])
         # right after a restart the detector knows no frame before, and takes the constant
@@ -205,26 +229,15 @@ class VideoDetector(wiring.Component):
                 self._packets.results.maximum,
             )
         )
-        if overlay is not None:
-            m.d.comb += [
-                overlay.i.payload.eq(guard.o.payload),
-                overlay.i.valid.eq(guard.o.valid & detector.i.ready),
-            ]
 
-    def _restart(self, m: Module, restart: Signal, stopped: Signal) -> None:
-        """What follows a cut, or what software wants: the detector is restarted, then the packet
-        closed.
-        """
+    def _restart(self, m: Module, restart: Signal, stopped: Signal, others_empty: Value) -> None:
+        """What follows a cut or a soft reset: the detector is restarted, then the packet closed."""
         guard, packets = self._guard, self._packets
         closing, clearing, ask, drained, opened = (
             Signal(name=name) for name in ("closing", "clearing", "ask", "drained", "opened")
         )
         m.d.comb += drained.eq(self._in_flight(m, "inside", packets.done, restart) == 0)
-        empty = drained
-        if self._overlay is not None:
-            empty = drained & (self._in_flight(m, "shown", self._overlay.done, restart) == 0)
-        if self._parameters.budget:
-            empty &= self._history(m, restart)
+        empty = drained & others_empty
         m.d.comb += [
             ask.eq(self.control.reset | (guard.cut & empty)),
             stopped.eq(restart | closing),
@@ -243,12 +256,12 @@ class VideoDetector(wiring.Component):
         with m.If(guard.resume):
             m.d.sync += closing.eq(0)
 
-    def _history(self, m: Module, restart: Signal) -> Value:
-        """Keeps what T1 is adapted to over a restart, but not over a reset; returns whether that is
-        up to date.
+    def _store(self, m: Module, restart: Signal) -> Value:
+        """Stores what T1 is adapted to over a restart, but not over a soft reset. Returns whether
+        what is stored is up to date.
 
-        It is soon after a frame's last window, and so is known to be not yet before the frame's end
-        comes out.
+        It is out of date for some clocks after a frame's last window, and so from before the
+        frame's end comes out.
         """
         with m.If(restart & self.control.reset):
             m.d.sync += self.history.eq(0)
@@ -261,7 +274,7 @@ class VideoDetector(wiring.Component):
         """Complete frames whose last pixel has gone in, but whose end has not come out."""
         # each frame in flight has at least one window among the corner flags and pending records that wait, but for
         # two
-        most = self._parameters.queue_depth + 32
+        most = self._build.queue_depth + 32
         inside = Signal(range(most), name=name)
         with m.If(restart):
             m.d.sync += inside.eq(0)

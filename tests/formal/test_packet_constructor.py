@@ -202,7 +202,7 @@ PACKETS = Claim(
         Fault("(last | ~full)", "~full", "does not leave", within=8),
         Fault("last.eq(last | self.close)", "last.eq(last)", "o: ", within=8),
         Fault("with m.If(self.done | self.closed):", "with m.If(self.done):", "consecutive", within=8),
-        Fault("results.dropped.eq(dropped)", "results.dropped.eq(count)", "results are wrong", within=8),
+        Fault("results.dropped.eq(missing)", "results.dropped.eq(count)", "results are wrong", within=8),
         Fault("self.i.ready.eq(free)", "self.i.ready.eq(free | full)", "dropping", within=10),
         Fault("free.eq(~self.o.valid | self.o.ready)", "free.eq(1)", "more is inside", within=6),
     ),

@@ -230,7 +230,7 @@ EXACT = Claim(
         Fault("(guard.cut & empty)", "guard.cut", "a complete frame is lost", within=12),
         Fault("guard.active | guard.cut | ~drained", "guard.active", "is not closed", within=8),
         Fault("stopped.eq(restart | closing)", "stopped.eq(restart)", "guard: resume without", within=10),
-        Fault("self._parameters.queue_depth + 32", "1", "inside: ", within=10),
+        Fault("self._build.queue_depth + 32", "1", "inside: ", within=10),
     ),
 )
 RESET = Claim(
