@@ -25,6 +25,16 @@ GENERATED = {"docs/reference/registers.md", "docs/results/comparison.md", "docs/
 """Pages whose templates decide where lines end."""
 
 
+def options(command: click.Command) -> set[str]:
+    """Options of a command and of all below it."""
+    own = {option for each in command.params for option in (*each.opts, *each.secondary_opts)}
+    below = command.commands.values() if isinstance(command, click.Group) else ()
+    return own.union({"--help"}, *map(options, below))
+
+
+OPTIONS = options(main)
+
+
 def text_of(page: str) -> str:
     return (ROOT / page).read_text(encoding="utf-8")
 
@@ -95,6 +105,13 @@ def test_commands_can_be_given(page: str) -> None:
             parse(words[1:])
         except click.ClickException as error:
             pytest.fail(f"{shlex.join(words)}: {error.format_message()}")
+
+
+@pytest.mark.parametrize("page", [name for name in NAMES if name != "CHANGELOG.md"])
+def test_options_exist(page: str) -> None:
+    """Options that are named by themselves are those of some command of ours."""
+    named = re.findall(r"`(--[a-z][a-z\d-]*)[ `=]", without_blocks(text_of(page)))
+    assert set(named) <= OPTIONS | {"--tool"}, f"no command has {set(named) - OPTIONS}"
 
 
 @PAGES_TO_READ
