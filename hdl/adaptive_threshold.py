@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Mux, Signal, Value, unsigned
+from amaranth.hdl import Module, Mux, Signal, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.adaptive_threshold import LEVEL_SHIFT
 from golden.formats import MEAN_WEIGHT_FRACTION_BITS, WINDOW_SIZE
 from golden.parameters import Parameters
+from hdl.centre_rows import centre_size
 from hdl.parts.outgoing_column import outgoing_column
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
-from hdl.response_filter import filtered_rows
+from hdl.sample import response_layout, responses, sample_layout
 from hdl.texture_filter import texture_layout
 from hdl.thresholds import thresholds_layout
 
@@ -23,7 +24,7 @@ class AdaptiveThreshold(wiring.Component):
     :class:`hdl.texture_filter.TextureFilter`.
 
     The sum over the window is kept up to date: a new column's sum comes in, that of nine columns
-    before leaves. That holds across ends of rows too, where windows are not complete and nothing is
+    before goes out. That holds across ends of rows too, where windows are not complete and nothing is
     delivered; so it starts from 0 at reset and never again. Columns before the first after reset
     count as 0.
 
@@ -35,11 +36,11 @@ class AdaptiveThreshold(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(unsigned(response_bits), 9)`` of D.
+        Stream of ``Columns(sample_layout(parameters), 9)``.
     centres
-        Stream of ``Columns(unsigned(response_bits), 3)`` of S, as
-        :class:`hdl.centre_rows.CentreRows` makes it of ``i`` at the same time, or of
-        ``filtered_rows`` as :class:`hdl.response_filter.ResponseFilter` does.
+        Stream of ``Columns(response_layout(parameters), centre_size(parameters))`` of S, as
+        :class:`hdl.centre_rows.CentreRows` or :class:`hdl.response_filter.ResponseFilter` makes it
+        of ``i`` at the same time.
     thresholds
         Stream of ``thresholds_layout(parameters)``, one per frame, taken with the frame's last
         result.
@@ -48,15 +49,15 @@ class AdaptiveThreshold(wiring.Component):
     """
 
     latency = 5
+    reads = "columns"
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
-        response = unsigned(parameters.response_bits)
-        self._rows = filtered_rows(parameters) if parameters.algorithm.response_filter == "binomial" else 3
+        self._rows = centre_size(parameters)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(response, WINDOW_SIZE))),
-                "centres": In(stream.Signature(Columns(response, self._rows))),
+                "i": In(stream.Signature(Columns(sample_layout(parameters), WINDOW_SIZE))),
+                "centres": In(stream.Signature(Columns(response_layout(parameters), self._rows))),
                 "thresholds": In(stream.Signature(thresholds_layout(parameters))),
                 "o": Out(stream.Signature(Beat(texture_layout(parameters)))),
             }
@@ -96,7 +97,7 @@ class AdaptiveThreshold(wiring.Component):
 
     def _total(self, m: Module, pipe: Pipeline) -> Signal:
         """Clocks 1 to 3."""
-        rows = self.i.payload.data
+        rows = responses(self.i.payload)
         thirds = [
             pipe.register(rows[k] + rows[k + 1] + rows[k + 2], f"third_{k}") for k in range(0, WINDOW_SIZE, 3)
         ]
@@ -105,17 +106,18 @@ class AdaptiveThreshold(wiring.Component):
         beat = pipe.delay(pipe.valid, 2, "beat", reset=True)
 
         step = beat & pipe.advance
-        leaving = outgoing_column(m, pipe, column, WINDOW_SIZE, beat=beat, step=step, name="leaving")
+        outgoing = outgoing_column(m, pipe, column, WINDOW_SIZE, beat=beat, step=step, name="outgoing")
         total = Signal(self._total_bits)
         with m.If(step):
-            m.d.sync += total.eq(total + (column - leaving))
+            m.d.sync += total.eq(total + (column - outgoing))
         return total
 
     def _centre(self, pipe: Pipeline) -> Signal:
         """S of the window's centre, at clock 3. At clock 2 it is as many columns behind the newest
         as rows above.
         """
-        value, reach = self.centres.payload.data[self._rows // 2], self._rows // 2
+        reach = self._rows // 2
+        value = responses(self.centres.payload)[reach]
         for k in range(reach):
             value = pipe.register(
                 value, "centre_column" if k == 0 else f"centre_column_{k}", when=self.centres.valid

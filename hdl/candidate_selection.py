@@ -15,7 +15,8 @@ from golden.output_constructor import COUNT_BITS
 from golden.parameters import Parameters
 from hdl.build import Build
 from hdl.corner_detection import corner_layout
-from hdl.derivatives import derivatives_layout
+from hdl.fits import derivatives_layout
+from hdl.parts.optional import optional
 from hdl.parts.queue import Queue
 from hdl.parts.stream import Beat
 from hdl.texture_filter import texture_layout
@@ -54,10 +55,10 @@ INSIDE = 4
 class CandidateSelection(wiring.Component):
     """Lets pass the window centres that are reported: corners that the texture filter keeps.
 
-    Every candidate goes out twice, its surface to the subpixel refinement and a pending record of the rest to
-    the output constructor. Each frame is closed by one more pending record, with ``end``, one clock after
-    its last window. Both wait in queues, whose filling alone decides, in a register, whether the
-    blocks before may move: these are always in step with each other.
+    Every candidate goes out twice: its derivatives to the subpixel refinement, and a pending record
+    of the rest to the output constructor. Each frame is closed by one more pending record, with
+    ``end``, one clock after its last window. Both wait in queues, whose filling alone decides, in a
+    register, whether the blocks before may move: these are always in step with each other.
 
     A frame's largest response is that of the window centres, so that no pixel decides about
     thresholds at which there can be no corner.
@@ -85,8 +86,12 @@ class CandidateSelection(wiring.Component):
         next one's first.
     corner_flags
         With ``video_out`` only: stream of ``corner_flag_layout()``, one for every window.
-    max_corners
-        With ``budget`` only: steady from before a frame's first window to its last.
+    max_corners, rank
+        With ``budget`` only: the limit, and that all peaks are counted, be they textured or not;
+        steady from before a frame's first window to its last.
+    counted, strength
+        With ``budget`` only: in this clock there is a corner that counts whatever T1 is, and its
+        response.
     """
 
     latency = Queue.latency
@@ -104,12 +109,14 @@ class CandidateSelection(wiring.Component):
                 "pending": Out(stream.Signature(pending_record_layout(parameters))),
                 "last": Out(1),
                 "largest": Out(parameters.response_bits),
-                **(
-                    {"corner_flags": Out(stream.Signature(corner_flag_layout()))}
-                    if parameters.video_out
-                    else {}
+                **optional(parameters.video_out, corner_flags=Out(stream.Signature(corner_flag_layout()))),
+                **optional(
+                    parameters.budget,
+                    max_corners=In(BUDGET_BITS),
+                    rank=In(1),
+                    counted=Out(1),
+                    strength=Out(parameters.response_bits),
                 ),
-                **({"max_corners": In(BUDGET_BITS)} if parameters.budget else {}),
             }
         )
 
@@ -121,8 +128,9 @@ class CandidateSelection(wiring.Component):
         wiring.connect(m, pending.o, wiring.flipped(self.pending))
 
         room, step, ending = Signal(init=1), Signal(), Signal()
+        x, y = Signal(PIXEL_COORDINATE_BITS, init=MARGIN), Signal(PIXEL_COORDINATE_BITS, init=MARGIN)
+        allowed, place = self._budget(m, step, ending, (x, y)) if p.budget else (C(1), (x, y))
         # a clock late, and an end follows yet: for this, too, there is room
-        allowed, place_of_end = self._budget(m, step, ending) if p.budget else (None, None)
         flags_room = self._corner_flags(m, step, allowed) if p.video_out else C(1)
         m.d.sync += room.eq(candidates.room & pending.room & flags_room)
         m.d.comb += [
@@ -132,7 +140,6 @@ class CandidateSelection(wiring.Component):
         ]
         self._largest(m, step)
         corner, texture = self.corners.payload.data, self.textures.payload.data
-        x, y = Signal(PIXEL_COORDINATE_BITS, init=MARGIN), Signal(PIXEL_COORDINATE_BITS, init=MARGIN)
         with m.If(step):
             m.d.sync += x.eq(x + 1)
             with m.If(self.corners.payload.eol):
@@ -143,23 +150,25 @@ class CandidateSelection(wiring.Component):
         # candidate
         m.d.sync += ending.eq(self.last)
 
-        picked, wanted, place = Signal(), step & corner.corner & texture.keep, (x, y)
-        response = texture.response if p.algorithm.texture == "mean" else corner.response
-        if allowed is not None and place_of_end is not None:
-            wanted &= allowed
-            place = tuple(Mux(ending, *choice) for choice in zip(place_of_end, place, strict=True))
+        picked = Signal()
         m.d.comb += [
-            picked.eq(wanted),
+            picked.eq(step & corner.corner & texture.keep & allowed),
             candidates.i.valid.eq(picked),
             candidates.i.payload.eq(self.surfaces.payload),
             pending.i.valid.eq(picked | ending),
             pending.i.payload.x.eq(place[0]),
             pending.i.payload.y.eq(place[1]),
-            pending.i.payload.response.eq(Mux(ending, self.largest, response)),
+            pending.i.payload.response.eq(Mux(ending, self.largest, self._reported)),
             pending.i.payload.textured.eq(texture.textured),
             pending.i.payload.end.eq(ending),
         ]
         return m
+
+    @property
+    def _reported(self) -> Value:
+        """The response that a record has: what the texture filter leaves of it, if that says."""
+        corner, texture = self.corners.payload.data, self.textures.payload.data
+        return texture.response if "response" in texture.shape().members else corner.response
 
     def _largest(self, m: Module, step: Signal) -> None:
         first, response = Signal(init=1), self.corners.payload.data.response
@@ -168,31 +177,40 @@ class CandidateSelection(wiring.Component):
             with m.If(first | (response > self.largest)):
                 m.d.sync += self.largest.eq(response)
 
-    def _budget(self, m: Module, step: Signal, ending: Signal) -> tuple[Signal, tuple[Value, Value]]:
-        """Whether more may be picked of the frame, and how many could have been so far, as x and y
-        of its end.
+    def _budget(
+        self, m: Module, step: Signal, ending: Signal, place: tuple[Value, Value]
+    ) -> tuple[Value, tuple[Value, Value]]:
+        """Whether more may be picked of the frame; and the x and y of a pending record, in which an
+        end says how many could have been picked.
 
         Two clocks late, as no two corners come in two clocks in a row.
         """
         allowed, found, accepted = Signal(), Signal(COUNT_BITS), Signal(BUDGET_BITS)
-        texture = self.textures.payload.data
+        corner, texture = self.corners.payload.data, self.textures.payload.data
+        if self._parameters.algorithm.texture == "mean":
+            # what is left of D is what counts; whether it is above T1 does not
+            counts = self._reported.any()
+        else:
+            counts = ~texture.textured | self.rank
+        m.d.comb += [self.counted.eq(step & corner.peak & counts), self.strength.eq(self._reported)]
         m.d.sync += allowed.eq((self.max_corners == 0) | (accepted != self.max_corners))
         with m.If(ending):
             m.d.sync += [found.eq(0), accepted.eq(0)]
-        with m.Elif(step & self.corners.payload.data.corner & texture.keep):
+        with m.Elif(step & corner.corner & texture.keep):
             m.d.sync += found.eq(found + 1)
             with m.If(~texture.textured & (accepted != self.max_corners)):
                 m.d.sync += accepted.eq(accepted + 1)
-        return allowed, (found[:PIXEL_COORDINATE_BITS], found[PIXEL_COORDINATE_BITS:])
+        halves = found[:PIXEL_COORDINATE_BITS], found[PIXEL_COORDINATE_BITS:]
+        return allowed, (Mux(ending, halves[0], place[0]), Mux(ending, halves[1], place[1]))
 
-    def _corner_flags(self, m: Module, step: Signal, allowed: Signal | None) -> Value:
+    def _corner_flags(self, m: Module, step: Signal, allowed: Value) -> Value:
         """A corner flag of every window into a queue of its own; returns whether that has room."""
         m.submodules.corner_flags = flags = Queue(corner_flag_layout(), CORNER_FLAGS)
         wiring.connect(m, flags.o, wiring.flipped(self.corner_flags))
         corner = self.corners.payload.data.corner & ~self.textures.payload.data.textured
         m.d.comb += [
             flags.i.valid.eq(step),
-            flags.i.payload.corner.eq(corner if allowed is None else corner & allowed),
+            flags.i.payload.corner.eq(corner & allowed),
             flags.i.payload.eol.eq(self.corners.payload.eol),
             flags.i.payload.eof.eq(self.corners.payload.eof),
         ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, unsigned
+from amaranth.hdl import Cat, Module
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -12,8 +12,17 @@ from golden.formats import WINDOW_SIZE
 from golden.parameters import Parameters
 from hdl.parts.delay_line import DelayLine
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
+from hdl.sample import response_layout, responses, sample_layout
 
 _LATE = WINDOW_SIZE // 2 - 1
+
+
+def centre_size(parameters: Parameters) -> int:
+    """Rows around each centre, itself included, of the responses whose peaks are corners: three of
+    D; of smoothed ones as many as the suppression needs.
+    """
+    smoothed = parameters.algorithm.response_filter == "binomial"
+    return 2 * parameters.algorithm.suppression + 1 if smoothed else 3
 
 
 class CentreRows(wiring.Component):
@@ -26,19 +35,18 @@ class CentreRows(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(unsigned(response_bits), 9)``.
+        Stream of ``Columns(sample_layout(parameters), 9)``.
     o
-        Stream of ``Columns(unsigned(response_bits), 3)``, rows six positions shorter.
+        Stream of ``Columns(response_layout(parameters), 3)``, rows six positions shorter.
     """
 
     latency = 2
 
     def __init__(self, parameters: Parameters) -> None:
-        self._response = unsigned(parameters.response_bits)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(self._response, WINDOW_SIZE))),
-                "o": Out(stream.Signature(Columns(self._response, 3))),
+                "i": In(stream.Signature(Columns(sample_layout(parameters), WINDOW_SIZE))),
+                "o": Out(stream.Signature(Columns(response_layout(parameters), 3))),
             }
         )
 
@@ -48,7 +56,7 @@ class CentreRows(wiring.Component):
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, 2 * _LATE + 1, step=step, eol=self.i.payload.eol)
         middle = WINDOW_SIZE // 2
-        rows = Cat(*(self.i.payload.data[row] for row in range(middle - 1, middle + 2)))
+        rows = Cat(responses(self.i.payload)[middle - 1 : middle + 2])
         # moves from column to column; its last register counts as one of the two here
         m.submodules.late = late = DelayLine(len(rows), _LATE + 1)
         m.d.comb += [

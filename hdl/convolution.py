@@ -1,5 +1,4 @@
 # amaranth: UnusedElaboratable=no
-# the tables are made at once, because their memory is counted, and elaborated perhaps never
 """Convolution (Eq. 1): squares out of tables, smoothed by the separable 5x5 kernel out of adders."""
 
 from __future__ import annotations

@@ -9,14 +9,16 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import Parameters
+from hdl.parts.optional import optional
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
+from hdl.sample import response_layout, responses
 
 
 def corner_layout(parameters: Parameters) -> data.StructLayout:
     """Is the pixel a corner, and its response; with ``budget`` also whether it would be one but for
     T1.
     """
-    counted = {"peak": 1} if parameters.budget else {}
+    counted = optional(parameters.budget, peak=1)
     return data.StructLayout({"corner": 1, "response": parameters.response_bits, **counted})
 
 
@@ -27,26 +29,25 @@ class Maxima(wiring.Component):
     ----------
     parameters
         Of the detector.
-    rows
-        Of responses in a column.
+    columns
+        ``Columns`` of samples or responses.
 
     Members
     -------
     i
-        Stream of ``Columns(unsigned(response_bits), rows)``.
+        Stream of ``columns``.
     t1
         Stream of T1, one per frame, taken with the frame's last column.
     o
         Stream of ``Beat(corner_layout(parameters))``.
     """
 
-    def __init__(self, parameters: Parameters, rows: int) -> None:
+    def __init__(self, parameters: Parameters, columns: data.StructLayout) -> None:
         self._parameters = parameters
-        response = unsigned(parameters.response_bits)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(response, rows))),
-                "t1": In(stream.Signature(response)),
+                "i": In(stream.Signature(columns)),
+                "t1": In(stream.Signature(unsigned(parameters.response_bits))),
                 "o": Out(stream.Signature(Beat(corner_layout(parameters)))),
             }
         )
@@ -69,7 +70,7 @@ class CornerDetection(Maxima):
     Members
     -------
     i
-        Stream of ``Columns(unsigned(response_bits), 3)``.
+        Stream of ``Columns(response_layout(parameters), 3)``.
     t1
         Stream of T1, one per frame, taken with the frame's last column.
     o
@@ -77,9 +78,10 @@ class CornerDetection(Maxima):
     """
 
     latency = 3
+    reads = "centres"
 
     def __init__(self, parameters: Parameters) -> None:
-        super().__init__(parameters, 3)
+        super().__init__(parameters, Columns(response_layout(parameters), 3))
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -87,22 +89,22 @@ class CornerDetection(Maxima):
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, 3, step=step, eol=self.i.payload.eol)
         m.d.comb += self.t1.ready.eq(step & self.i.payload.eof)
-        top, middle, bottom = (self.i.payload.data[row] for row in range(3))
+        top, middle, bottom = responses(self.i.payload)
 
         beat = pipe.register(pipe.valid, "beat", reset=True)
         ends = pipe.register(larger(self._ahead(top), self._behind(bottom)), "ends")
         above = pipe.register(middle > self.t1.payload, "above")
         middle = pipe.register(middle, "middle")
 
-        def kept(value: Value, name: str) -> Value:
+        def stored(value: Value, name: str) -> Value:
             return pipe.register(value, name, when=beat)
 
         # what the column before this one needs to know of this one, and the other way round
         centre = self._ahead(middle)
         peak = centre > ends
-        largest_1 = kept(Mux(peak, centre, ends), "largest_1")
-        promising_1 = kept(above & peak & (centre > largest_1), "promising_1")
-        middle_1 = kept(middle, "middle_1")
+        largest_1 = stored(Mux(peak, centre, ends), "largest_1")
+        promising_1 = stored(above & peak & (centre > largest_1), "promising_1")
+        middle_1 = stored(middle, "middle_1")
         centre_1 = self._ahead(middle_1)
         beats_ends = pipe.register(promising_1 & (centre_1 > ends), "beats_ends")
         beats_middle = pipe.register(centre_1 > self._behind(middle), "beats_middle")

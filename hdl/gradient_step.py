@@ -1,21 +1,21 @@
 # amaranth: UnusedElaboratable=no
-# the parts are made at once, because the latency is theirs, and elaborated perhaps never
 """Gradient step: from the pixels around every window's centre to its normal equations."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, unsigned
+from amaranth.hdl import Cat, Module
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.normal_equations import PIXEL_SIZE
 from golden.parameters import Parameters
-from hdl.derivatives import derivatives_layout
-from hdl.normal_equations import NormalEquations
+from hdl.derivatives import Formats
+from hdl.normal_equations import FORMATS, NormalEquations
 from hdl.parts.stream import Columns
 from hdl.preprocessing import Preprocessing
+from hdl.sample import sample_layout
 
 
 class GradientStep(wiring.Component):
@@ -25,11 +25,13 @@ class GradientStep(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(unsigned(pixel_bits), 9)``.
+        Stream of ``Columns(sample_layout(parameters), 9)``, of which it reads the pixels.
     o
-        Stream of ``derivatives_layout(parameters)``, one for every column but the first eight of a
+        Stream of derivatives in their :meth:`formats`, one for every column but the first eight of a
         row.
     """
+
+    reads = "columns"
 
     def __init__(self, parameters: Parameters) -> None:
         # always plain differences with signs, whatever the responses are made of
@@ -39,10 +41,20 @@ class GradientStep(wiring.Component):
         self.latency = self._gradients.latency + self._equations.latency
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(unsigned(parameters.pixel_bits), PIXEL_SIZE))),
-                "o": Out(stream.Signature(derivatives_layout(parameters))),
+                "i": In(stream.Signature(Columns(sample_layout(parameters), PIXEL_SIZE))),
+                "o": Out(self._equations.o.signature),
             }
         )
+
+    @staticmethod
+    def formats(parameters: Parameters) -> Formats:
+        """Of the sums, in units of :meth:`unit`."""
+        return FORMATS
+
+    @staticmethod
+    def unit(parameters: Parameters) -> int:
+        """A full product of gradients."""
+        return parameters.product_max
 
     @property
     def memory_bits(self) -> int:
@@ -51,7 +63,14 @@ class GradientStep(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         m.submodules.gradients, m.submodules.equations = self._gradients, self._equations
-        wiring.connect(m, wiring.flipped(self.i), self._gradients.i)
+        pixels = self._gradients.i
+        m.d.comb += [
+            pixels.valid.eq(self.i.valid),
+            self.i.ready.eq(pixels.ready),
+            Cat(pixels.payload.data).eq(Cat(sample.pixel for sample in self.i.payload.data)),
+            pixels.payload.eol.eq(self.i.payload.eol),
+            pixels.payload.eof.eq(self.i.payload.eof),
+        ]
         wiring.connect(m, self._gradients.o, self._equations.i)
         wiring.connect(m, self._equations.o, wiring.flipped(self.o))
         return m

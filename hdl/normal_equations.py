@@ -1,5 +1,4 @@
 # amaranth: UnusedElaboratable=no
-# the tables are made at once, because their memory is counted, and elaborated perhaps never
 """The gradient step's normal equations (``golden.normal_equations``): five sums over a 7x7 window
 of gradients.
 """
@@ -12,15 +11,19 @@ from amaranth.hdl import Cat, Module, Signal, Value, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.normal_equations import STEP_SIZE
+from golden.derivatives import Derivatives
+from golden.normal_equations import LARGEST, STEP_SIZE
 from golden.parameters import Parameters
-from hdl.derivatives import derivatives_layout
+from hdl.derivatives import Format, layout
 from hdl.parts.outgoing_column import outgoing_column
 from hdl.parts.square_table import SquareTable
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 from hdl.preprocessing import sizes_layout
 
 REACH = STEP_SIZE // 2
+_SUM, _MOMENT = Format(0, STEP_SIZE**2), Format(0, LARGEST)
+FORMATS = Derivatives(_SUM, _SUM, _SUM, _MOMENT, _MOMENT)
+"""Of the five sums, in full products."""
 COLUMN_LATENCY = SquareTable.latency + 4
 """Look-up, pairs of rows, pairs of pairs, sum over them, C out of A, B and D."""
 
@@ -72,14 +75,14 @@ class NormalEquations(wiring.Component):
     i
         Stream of ``Columns(signed_sizes(parameters), 7)``.
     o
-        Stream of ``derivatives_layout(parameters)``, one for every column but the first six of a
+        Stream of derivatives in :data:`FORMATS`, one for every column but the first six of a
         row.
     """
 
     latency = COLUMN_LATENCY + 4
 
     def __init__(self, parameters: Parameters) -> None:
-        self._layout = derivatives_layout(parameters)
+        self._layout = layout(FORMATS, parameters.product_max)
         self._gradient_tables = [SquareTable(parameters.pixel_bits) for _ in range(STEP_SIZE)]
         # two rows' differences share a table, so one port stays free
         self._difference_tables = [SquareTable(parameters.pixel_bits + 1) for _ in range(0, STEP_SIZE, 2)]

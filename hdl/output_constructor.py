@@ -14,6 +14,7 @@ from golden.formats import COORDINATE_BITS, OFFSET_BITS
 from golden.output_constructor import COUNT_BITS, END_OF_FRAME, FRAME_BITS, RECORD_BITS, RESPONSE_FIELD_BITS
 from golden.parameters import Parameters
 from hdl.candidate_selection import pending_record_layout
+from hdl.parts.optional import optional
 from hdl.subpixel import offset_layout
 
 
@@ -48,7 +49,7 @@ class OutputConstructor(wiring.Component):
                 "pending": In(stream.Signature(pending_record_layout(parameters))),
                 "offset": In(stream.Signature(offset_layout(parameters.algorithm.fit))),
                 "o": Out(stream.Signature(record_layout())),
-                **({"found": Out(COUNT_BITS)} if parameters.budget else {}),
+                **optional(parameters.budget, found=Out(COUNT_BITS)),
             }
         )
 

@@ -1,5 +1,4 @@
 # amaranth: UnusedElaboratable=no
-# the parts are made at once, because the latency is theirs, and elaborated perhaps never
 """Corner response (Eq. 2): D = (A + B) - sqrt((A - B)² + (2C)²)."""
 
 from __future__ import annotations

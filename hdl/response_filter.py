@@ -6,18 +6,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Value, unsigned
+from amaranth.hdl import C, Cat, Module, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.formats import WINDOW_SIZE
 from golden.parameters import Parameters
+from hdl.centre_rows import centre_size
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
-
-
-def filtered_rows(parameters: Parameters) -> int:
-    """Rows of S that are needed: those of the neighbourhood in which a corner is the largest."""
-    return 2 * parameters.algorithm.suppression + 1
+from hdl.sample import response_layout, responses, sample_layout
 
 
 class ResponseFilter(wiring.Component):
@@ -33,20 +30,19 @@ class ResponseFilter(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(unsigned(response_bits), 9)``.
+        Stream of ``Columns(sample_layout(parameters), 9)``.
     o
-        Stream of ``Columns(unsigned(response_bits), 2r + 1)``, rows 8 - 2r positions shorter.
+        Stream of ``Columns(response_layout(parameters), 2r + 1)``, rows 8 - 2r positions shorter.
     """
 
     latency = 2
 
     def __init__(self, parameters: Parameters) -> None:
-        self._response = unsigned(parameters.response_bits)
-        self._rows = filtered_rows(parameters)
+        self._rows = centre_size(parameters)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(self._response, WINDOW_SIZE))),
-                "o": Out(stream.Signature(Columns(self._response, self._rows))),
+                "i": In(stream.Signature(Columns(sample_layout(parameters), WINDOW_SIZE))),
+                "o": Out(stream.Signature(Columns(response_layout(parameters), self._rows))),
             }
         )
 
@@ -65,7 +61,7 @@ class ResponseFilter(wiring.Component):
             smoothed = (pair + pipe.register(pair, f"pair_before_{k}", when=beat))[4:]
             for late in range(columns_late + 1):
                 smoothed = pipe.register(smoothed, f"smoothed_{k}_{late}", when=beat)
-            m.d.comb += self.o.payload.data[k].eq(smoothed)
+            m.d.comb += self.o.payload.data[k].response.eq(smoothed)
         m.d.comb += [
             self.o.valid.eq(pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)),
             self.o.payload.eol.eq(pipe.delay(self.i.payload.eol, self.latency, "eol")),
@@ -77,7 +73,7 @@ class ResponseFilter(wiring.Component):
         """a + 2b + c + 2: of the half that rounds the mean over 3x3 a quarter comes from each of
         four columns.
         """
-        above, here, below = (self.i.payload.data[k] for k in (row - 1, row, row + 1))
+        above, here, below = responses(self.i.payload)[row - 1 : row + 2]
         # both ones enter where the adders have room for them
         ends = (Cat(C(1, 1), above) + Cat(C(1, 1), below))[1:]
         return (ends + Cat(C(1, 1), here))[: len(here) + 2]

@@ -1,5 +1,4 @@
 # amaranth: UnusedElaboratable=no
-# the delay lines are made at once, because their memory is counted, and elaborated perhaps never
 """Square root: Li and Chu's non-restoring algorithm as a pipeline, one addition per result bit."""
 
 from __future__ import annotations

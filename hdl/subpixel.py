@@ -1,5 +1,4 @@
 # amaranth: UnusedElaboratable=no
-# the dividers are made at once, because their formats are part of the unit's, and elaborated perhaps never
 """Subpixel refinement (Sec. 3.4, Fig. 13): a candidate's offset out of two equations (Eq. 13), a
 bit per clock.
 """
@@ -17,8 +16,8 @@ from golden.derivatives import Derivatives
 from golden.divider import quotient_bits
 from golden.parameters import Parameters
 from golden.subpixel import FITS, derivative_bits
-from hdl.derivatives import FORMATS, derivatives_layout
 from hdl.divider import Divider
+from hdl.fits import derivatives_layout, equations_block
 from hdl.parts.arithmetic import add_with_carry, magnitude
 
 
@@ -42,7 +41,7 @@ class Subpixel(wiring.Component):
     ----------
     parameters
         Of the detector; ``fit`` matters, and what its formats come from.
-    kept
+    mantissa_bits
         Bits of a mantissa; by default those of ``golden.subpixel.FITS``.
 
     Members
@@ -53,15 +52,16 @@ class Subpixel(wiring.Component):
         Stream of ``offset_layout(parameters.algorithm.fit)``.
     """
 
-    def __init__(self, parameters: Parameters, kept: int | None = None) -> None:
+    def __init__(self, parameters: Parameters, mantissa_bits: int | None = None) -> None:
         layout = derivatives_layout(parameters)
         self._fit = parameters.algorithm.fit
-        self._formats = FORMATS[parameters.algorithm.fit]
-        self._mantissa_bits = FITS[parameters.algorithm.fit].mantissa_bits if kept is None else kept
+        self._formats = equations_block(parameters).formats(parameters)
+        golden_fit = FITS[parameters.algorithm.fit]
+        self._mantissa_bits = mantissa_bits or golden_fit.mantissa_bits
         self._shifts = max(derivative_bits(parameters) - self._mantissa_bits, 0)
         # sums of two products, each below 2**(2·mantissa bits)
         self._sum_bits = 2 * self._mantissa_bits + 1
-        self._quotient_bits = quotient_bits(FITS[parameters.algorithm.fit].limit)
+        self._quotient_bits = quotient_bits(golden_fit.limit)
         self._dividers = {axis: Divider(self._sum_bits, self._quotient_bits) for axis in "xy"}
         super().__init__(
             {
@@ -133,14 +133,14 @@ class Subpixel(wiring.Component):
         the sign.
         """
         bits = self._mantissa_bits
-        kept = {}
+        factors = {}
         for name in ("yy", "xy", "x", "y"):
-            kept[name] = Signal(signed(bits + 1), name=f"{name}_kept", reset_less=True)
+            factors[name] = Signal(signed(bits + 1), name=f"{name}_factor", reset_less=True)
         scanned = {}
         for name in ("xx", "yy", "xy"):
             scanned[name] = Signal(bits + 1, name=f"{name}_scanned", reset_less=True)
         with m.If(move):
-            m.d.sync += [signal.eq(getattr(mantissas, name)) for name, signal in kept.items()]
+            m.d.sync += [signal.eq(getattr(mantissas, name)) for name, signal in factors.items()]
             m.d.sync += [signal.eq(getattr(mantissas, name)) for name, signal in scanned.items()]
         with m.Else():
             m.d.sync += [signal.eq(signal >> 1) for signal in scanned.values()]
@@ -156,8 +156,8 @@ class Subpixel(wiring.Component):
         ):
             # the sign bit of xy counts negative; xx and yy have none where the result is used
             subtract = ~sign if name == "denominator" else sign
-            added = kept[factor].as_unsigned() & scanned[first][0].replicate(bits + 1)
-            other = kept[second].as_unsigned() & scanned["xy"][0].replicate(bits + 1)
+            added = factors[factor].as_unsigned() & scanned[first][0].replicate(bits + 1)
+            other = factors[second].as_unsigned() & scanned["xy"][0].replicate(bits + 1)
             other ^= subtract.replicate(bits + 1)
             both = Signal(signed(bits + 2), name=f"{name}_both", reset_less=True)
             m.d.sync += both.eq(add_with_carry(added.as_signed(), other.as_signed(), subtract))

@@ -8,9 +8,10 @@ from amaranth.hdl import Cat, Module, Value
 
 from golden.formats import WINDOW_SIZE
 from golden.parameters import Parameters
+from hdl.centre_rows import centre_size
 from hdl.corner_detection import Maxima, larger
-from hdl.parts.stream import Pipeline, WindowCounter
-from hdl.response_filter import filtered_rows
+from hdl.parts.stream import Columns, Pipeline, WindowCounter
+from hdl.sample import response_layout, responses, sample_layout
 
 
 class Suppression(Maxima):
@@ -23,7 +24,7 @@ class Suppression(Maxima):
     :class:`hdl.response_filter.ResponseFilter`, and as many clocks as it needs.
 
     Every column is reduced to two numbers: the largest of what its rows above and below the middle
-    hold, and with the middle row's value, too. The latter are kept for r columns, and a centre is
+    hold, and with the middle row's value, too. The latter wait for r columns, and a centre is
     compared with the r that came before it, with the former of its own, and then with each of the r
     that follow, as they come: what waits is one bit.
 
@@ -33,8 +34,8 @@ class Suppression(Maxima):
     Members
     -------
     i
-        Stream of ``Columns(unsigned(response_bits), 9)``, or ``filtered_rows(parameters)`` in place
-        of 9.
+        Stream of ``Columns(sample_layout(parameters), 9)``, or of ``Columns(response_layout(
+        parameters), 2r + 1)`` behind a response filter.
     t1
         Stream of T1, one per frame, taken with the frame's last column.
     o
@@ -42,10 +43,14 @@ class Suppression(Maxima):
     """
 
     def __init__(self, parameters: Parameters) -> None:
-        filtered = parameters.algorithm.response_filter == "binomial"
-        self._size = filtered_rows(parameters) if filtered else WINDOW_SIZE
-        self.latency = (2 * parameters.algorithm.suppression - 1).bit_length() + 2 if filtered else 5
-        super().__init__(parameters, self._size)
+        if parameters.algorithm.response_filter == "binomial":
+            self.reads, self._size = "centres", centre_size(parameters)
+            self.latency = (2 * parameters.algorithm.suppression - 1).bit_length() + 2
+            sample = response_layout(parameters)
+        else:
+            self.reads, self._size, self.latency = "columns", WINDOW_SIZE, 5
+            sample = sample_layout(parameters)
+        super().__init__(parameters, Columns(sample, self._size))
 
     def elaborate(self, platform: Any) -> Module:
         m, r = Module(), self._parameters.algorithm.suppression
@@ -53,7 +58,7 @@ class Suppression(Maxima):
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, self._size, step=step, eol=self.i.payload.eol)
         m.d.comb += self.t1.ready.eq(step & self.i.payload.eof)
-        rows, beat = self.i.payload.data, Value.cast(pipe.valid)
+        rows, beat = responses(self.i.payload), Value.cast(pipe.valid)
         centre = self._size // 2
         middle: Value = rows[centre]
         above = middle > self.t1.payload
@@ -81,23 +86,23 @@ class Suppression(Maxima):
         after = before if self._parameters.algorithm.ties == "strict" else pipe.register(after, "after")
         beat = pipe.register(beat, f"beat_{spent}", reset=True)
 
-        def kept(value: Value, name: str) -> Value:
+        def stored(value: Value, name: str) -> Value:
             return pipe.register(value, name, when=beat)
 
         earlier, history = before, []
         for k in range(1, r + 1):
-            earlier = kept(earlier, f"before_{k}")
+            earlier = stored(earlier, f"before_{k}")
             history.append(self._ahead(middle) > earlier)
-        peak = kept(peak & Cat(history).all(), "peak_0")
-        middle, above = kept(middle, "middle_0"), kept(above, "above_0")
+        peak = stored(peak & Cat(history).all(), "peak_0")
+        middle, above = stored(middle, "middle_0"), stored(above, "above_0")
         # as many columns later as r, each of which has been compared with
         for k in range(1, r):
-            peak = kept(peak & (self._ahead(middle) > after), f"peak_{k}")
-            middle, above = kept(middle, f"middle_{k}"), kept(above, f"above_{k}")
+            peak = stored(peak & (self._ahead(middle) > after), f"peak_{k}")
+            middle, above = stored(middle, f"middle_{k}"), stored(above, f"above_{k}")
         peak = peak & (self._ahead(middle) > after)
         for k in range(r, centre):
-            peak = kept(peak, f"peak_{k}")
-            middle, above = kept(middle, f"middle_{k}"), kept(above, f"above_{k}")
+            peak = stored(peak, f"peak_{k}")
+            middle, above = stored(middle, f"middle_{k}"), stored(above, f"above_{k}")
         self._deliver(m, pipe, spent, window.complete, peak, above, middle)
         return m
 

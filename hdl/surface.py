@@ -4,16 +4,19 @@ every pixel.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
-from amaranth.hdl import Cat, Module, Value, unsigned
+from amaranth.hdl import Cat, Module, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from golden.algorithm import Fit
 from golden.derivatives import Derivatives
 from golden.parameters import Parameters
-from hdl.derivatives import derivatives_layout
+from hdl.derivatives import Format, Formats, layout
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
+from hdl.sample import response_layout, responses
 
 
 class SurfaceFit(wiring.Component):
@@ -24,29 +27,39 @@ class SurfaceFit(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(unsigned(response_bits), 3)``.
+        Stream of ``Columns(response_layout(parameters), 3)``.
     o
-        Stream of ``derivatives_layout(parameters)``, one for every column but the first two of a
+        Stream of derivatives in their :meth:`formats`, one for every column but the first two of a
         row.
     """
 
     latency = 3
+    reads = "centres"
 
     def __init__(self, parameters: Parameters) -> None:
-        self._fit = parameters.algorithm.fit
+        self._derivatives = SURFACES[parameters.algorithm.fit].derivatives
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(unsigned(parameters.response_bits), 3))),
-                "o": Out(stream.Signature(derivatives_layout(parameters))),
+                "i": In(stream.Signature(Columns(response_layout(parameters), 3))),
+                "o": Out(stream.Signature(layout(self.formats(parameters), self.unit(parameters)))),
             }
         )
+
+    @staticmethod
+    def formats(parameters: Parameters) -> Formats:
+        """Of the derivatives, in units of :meth:`unit`."""
+        return SURFACES[parameters.algorithm.fit].formats
+
+    @staticmethod
+    def unit(parameters: Parameters) -> int:
+        """A full response."""
+        return parameters.response_max
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         window = WindowCounter(m, 3, step=pipe.valid & pipe.advance, eol=self.i.payload.eol)
-        fit = _nine_samples if self._fit == "nine" else _six_samples
-        for name, value in fit(pipe, [self.i.payload.data[row] for row in range(3)])._asdict().items():
+        for name, value in self._derivatives(pipe, responses(self.i.payload))._asdict().items():
             m.d.comb += self.o.payload[name].eq(value)
         m.d.comb += self.o.valid.eq(
             pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)
@@ -67,22 +80,22 @@ def _nine_samples(pipe: Pipeline, column: list[Value]) -> Derivatives[Value]:
     bend = pipe.register((middle << 1) - ends, "bend")
     slope = pipe.register(slope, "slope_now")
 
-    def kept(value: Value, name: str) -> Value:
+    def stored(value: Value, name: str) -> Value:
         return pipe.register(value, name, when=beat_2)
 
     # suffix _1, _2: of the column before, and of the one before that
-    level_1, bend_1, slope_1 = kept(level, "level_1"), kept(bend, "bend_1"), kept(slope, "slope_1")
-    slope_2 = kept(slope_1, "slope_2")
+    level_1, bend_1, slope_1 = stored(level, "level_1"), stored(bend, "bend_1"), stored(slope, "slope_1")
+    slope_2 = stored(slope_1, "slope_2")
     rise = level - level_1
-    rise_1 = kept(rise, "rise_1")
-    bends_1, slopes_1 = kept(bend + bend_1, "bends_1"), kept(slope + slope_1, "slopes_1")
+    rise_1 = stored(rise, "rise_1")
+    bends_1, slopes_1 = stored(bend + bend_1, "bends_1"), stored(slope + slope_1, "slopes_1")
     twist = slope - slope_2
     return Derivatives(
-        xx=kept(rise_1 - rise, "xx"),
-        yy=kept(bends_1 + bend, "yy"),
-        xy=kept((twist << 1) + twist, "xy"),
-        x=kept(rise_1 + rise, "x"),
-        y=kept(slopes_1 + slope, "y"),
+        xx=stored(rise_1 - rise, "xx"),
+        yy=stored(bends_1 + bend, "yy"),
+        xy=stored((twist << 1) + twist, "xy"),
+        x=stored(rise_1 + rise, "x"),
+        y=stored(slopes_1 + slope, "y"),
     )
 
 
@@ -116,3 +129,22 @@ def _six_samples(pipe: Pipeline, column: list[Value]) -> Derivatives[Value]:
         x=result(middle, "x"),
         y=result(middle + (s6 - s2), "y"),
     )
+
+
+class Surface(NamedTuple):
+    """Formats of a surface's derivatives, in full responses, and what computes them out of the
+    newest column.
+    """
+
+    formats: Formats
+    derivatives: Callable[[Pipeline, list[Value]], Derivatives[Value]]
+
+
+SURFACES: dict[Fit, Surface] = {
+    "nine": Surface(
+        Derivatives(Format(2, 6), Format(2, 6), Format(0, 6), Format(1, 3), Format(1, 3)), _nine_samples
+    ),
+    "six": Surface(
+        Derivatives(Format(1, 5), Format(1, 2), Format(0, 2), Format(0, 1), Format(0, 2)), _six_samples
+    ),
+}

@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from amaranth.hdl import C, Module, Mux, Shape, Value, ValueLike, unsigned
+from amaranth.hdl import C, Module, Mux, Shape, Value, ValueLike
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.formats import WINDOW_SIZE
 from golden.parameters import Parameters
+from hdl.parts.optional import optional
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
+from hdl.sample import responses, sample_layout
 from hdl.thresholds import thresholds_layout
 
 
@@ -19,7 +21,7 @@ def texture_layout(parameters: Parameters) -> data.StructLayout:
     """Is a window's centre textured; is it reported nevertheless or not; with ``texture="mean"``:
     its response.
     """
-    response = {"response": parameters.response_bits} if parameters.algorithm.texture == "mean" else {}
+    response = optional(parameters.algorithm.texture == "mean", response=parameters.response_bits)
     return data.StructLayout({"textured": 1, "keep": 1, **response})
 
 
@@ -107,7 +109,7 @@ class TextureFilter(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(unsigned(response_bits), 9)``.
+        Stream of ``Columns(sample_layout(parameters), 9)``.
     thresholds
         Stream of ``thresholds_layout(parameters)``, one per frame, taken with the frame's last
         result.
@@ -117,13 +119,14 @@ class TextureFilter(wiring.Component):
     """
 
     latency = 5
+    reads = "columns"
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
         self._regions = parameters.algorithm.patches == "regions"
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(unsigned(parameters.response_bits), WINDOW_SIZE))),
+                "i": In(stream.Signature(Columns(sample_layout(parameters), WINDOW_SIZE))),
                 "thresholds": In(stream.Signature(thresholds_layout(parameters))),
                 "o": Out(stream.Signature(Beat(texture_layout(parameters)))),
             }
@@ -183,7 +186,7 @@ class TextureFilter(wiring.Component):
         """Clock 1: max(falling, 0) at the newest column, max(rising, 0) at the one before it, by
         row.
         """
-        newest = self.i.payload.data
+        newest = responses(self.i.payload)
         earlier = [
             pipe.register(newest[row], f"earlier_{row}", when=pipe.valid) for row in range(WINDOW_SIZE)
         ]
@@ -200,7 +203,7 @@ class TextureFilter(wiring.Component):
 
     def _ends(self, pipe: Pipeline) -> tuple[_Number, _Number, _Number]:
         """Clock 1: parts of outer = far + shared and inner = near - shared."""
-        row = [_Number.any_of(response) for response in self.i.payload.data]
+        row = [_Number.any_of(response) for response in responses(self.i.payload)]
         near = (row[5] - row[3]).register(pipe, "near")
         if not self._regions:
             return (row[1] - row[7]).register(pipe, "far"), _ZERO, near

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Mux, Signal, Value, unsigned
+from amaranth.hdl import Cat, Module, Mux, Signal, Value
 from amaranth.lib import data, stream, wiring
-from amaranth.lib.wiring import In, Out
+from amaranth.lib.wiring import In, Member, Out
 
 from golden.formats import (
     BUDGET_BITS,
@@ -18,7 +18,9 @@ from golden.formats import (
 )
 from golden.parameters import Parameters
 from hdl.adaptation import adapted_layout, aim_layout
+from hdl.parts.optional import optional
 from hdl.parts.stream import Beat
+from hdl.sample import sample_layout
 
 SIGMA2_BITS = SIGMA_BITS + SIGMA2_INTEGER_BITS
 
@@ -33,9 +35,14 @@ def settings_layout(parameters: Parameters) -> data.StructLayout:
             "constant": parameters.response_bits,
             "floor": parameters.response_bits,
             "report_rejected": 1,
-            **(BUDGET_SETTINGS if parameters.budget else {}),
+            **optional(parameters.budget, **BUDGET_SETTINGS),
         }
     )
+
+
+def settings_members(parameters: Parameters) -> dict[str, Member]:
+    """An input for each field of :func:`settings_layout`."""
+    return {str(name): In(field.shape) for name, field in settings_layout(parameters)}
 
 
 def thresholds_layout(parameters: Parameters) -> data.StructLayout:
@@ -48,7 +55,7 @@ def thresholds_layout(parameters: Parameters) -> data.StructLayout:
             "t1": parameters.response_bits,
             "t2": MEAN_WEIGHT_BITS if parameters.algorithm.texture == "mean" else t2_bits,
             "report_rejected": 1,
-            **({"max_corners": BUDGET_BITS, "aim": aim_layout()} if parameters.budget else {}),
+            **optional(parameters.budget, max_corners=BUDGET_BITS, aim=aim_layout()),
         }
     )
 
@@ -67,7 +74,7 @@ class Thresholds(wiring.Component):
     Members
     -------
     i, o
-        Stream of ``Beat(unsigned(response_bits))``, passed through in the same clock. A first beat
+        Stream of ``Beat(sample_layout(parameters))``, passed through in the same clock. A first beat
         waits for settings, and until the previous frame's thresholds have been taken.
     settings
         Stream of ``settings_layout(parameters)``, one per frame; taken when the multiplication
@@ -87,19 +94,15 @@ class Thresholds(wiring.Component):
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
-        responses = stream.Signature(Beat(unsigned(parameters.response_bits)))
+        samples = stream.Signature(Beat(sample_layout(parameters)))
         super().__init__(
             {
-                "i": In(responses),
-                "o": Out(responses),
+                "i": In(samples),
+                "o": Out(samples),
                 "settings": In(stream.Signature(settings_layout(parameters))),
                 "thresholds": Out(stream.Signature(thresholds_layout(parameters))),
                 "largest": In(parameters.response_bits),
-                **(
-                    {"adapted": In(adapted_layout(parameters)), "adapting": In(1)}
-                    if parameters.budget
-                    else {}
-                ),
+                **optional(parameters.budget, adapted=In(adapted_layout(parameters)), adapting=In(1)),
             }
         )
 

@@ -28,13 +28,13 @@ from sim.engine import SimulationError
 from sim.ports import Ports
 
 _INSIDE = (
-    ("responses", "response", "o"),
-    ("thresholds", "thresholds", "thresholds"),
-    ("largest response", "thresholds", "largest"),
-    ("candidates", "candidate selection", "pending"),
-    ("candidates' derivatives", "candidate selection", "candidate"),
+    ("responses", "response_stage", "samples"),
+    ("thresholds", "response_stage", "limits"),
+    ("largest response", "response_stage", "largest"),
+    ("candidates", "window_stage", "pending"),
+    ("candidates' derivatives", "window_stage", "candidate"),
 )
-"""Streams and plain signals between the detector's blocks: a title, the block, and its member."""
+"""Streams and plain signals between the detector's stages: a title, the stage, and its member."""
 _ENDS = {"i": "pixels", "o": "records"}
 """Titles of the detector's own streams."""
 
@@ -82,11 +82,11 @@ def views(component: wiring.Component, ports: Ports) -> list[View]:
     """What is worth seeing of a component: its streams, those inside if it is a detector, and its
     plain inputs.
     """
-    blocks = getattr(component, "blocks", {})
+    stages = getattr(component, "stages", {})
     inside = [
-        _member(title, block.replace(" ", "_"), name, getattr(blocks[block], name))
-        for title, block, name in _INSIDE
-        if block in blocks
+        _member(title, stage, name, getattr(stages[stage], name))
+        for title, stage, name in _INSIDE
+        if stage in stages
     ]
     ins, outs = (
         [

@@ -55,7 +55,7 @@ WIDTH = 1200
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Narrow(Parameters):
+class _Narrow(Build):
     """A detector whose D has some bits less: for its blocks' area only."""
 
     cut: int = 0
@@ -164,7 +164,7 @@ def _smooth(product: IntArray, cut: int) -> IntArray:
 _D_BLOCKS = "response buffer, texture filter, centre rows, corner detection"
 
 
-def _d_area(parameters: Parameters) -> Figures:
+def _d_area(parameters: Build) -> Figures:
     """Of the blocks that look at windows of D."""
     windows = WindowStage(parameters)
     buffer = CircularBuffer(

@@ -144,7 +144,7 @@ SELECTION = Claim(
         {
             "INSIDE = 4": "INSIDE = 1",
             "COORDINATE_BITS - OFFSET_BITS": "4",
-            "from hdl.derivatives import derivatives_layout": NARROW,
+            "from hdl.fits import derivatives_layout": NARROW,
         },
     ),
     check=SelectionChecker,

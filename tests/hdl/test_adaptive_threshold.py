@@ -40,6 +40,7 @@ from tests.support.blocks import (
     extremes,
     noise,
     pack,
+    pack_samples,
     raster,
     run,
     same,
@@ -96,10 +97,14 @@ def peaks_and_windows(frame: Array, kind: ResponseFilter) -> tuple[Array, Array]
 
 
 def streams(
-    kind: ResponseFilter, frames: list[Array], limits: list[tuple[int, int]], pixel_bits: int = 8
+    kind: ResponseFilter,
+    frames: list[Array],
+    limits: list[tuple[int, int]],
+    pixel_bits: int = 8,
+    **changes: Any,
 ) -> tuple[dict[str, Words], dict[str, Words]]:
     """``limits``: T1 and weight of each frame. Every other frame also reports what is rejected."""
-    parameters = built(kind, pixel_bits)
+    parameters = built(kind, pixel_bits).changed(**changes)
     block = InStep(parameters)
     reported = [k % 2 for k in range(len(frames))]
     results = []
@@ -112,7 +117,7 @@ def streams(
     t1s, weights = (np.array(values) for values in zip(*limits, strict=True))
     thresholds = {"t1": t1s, "t2": weights, "report_rejected": np.array(reported)}
     given = {
-        "i": pack(block.i.payload.shape(), columns(frames, 9)),
+        "i": pack_samples(block.i.payload.shape(), columns(frames, 9)),
         "thresholds": pack(thresholds_layout(parameters), thresholds),
     }
     return given, {"o": pack(block.o.payload.shape(), tagged)}
@@ -157,8 +162,9 @@ def test_centres_of_more_rows(radius: int) -> None:
     """Of as many as a larger radius of suppression needs; they come so much later."""
     frames = noise([(25, 30), (9, 9), (14, 9)], FULL)
     limits = [(between(frame, "binomial", 4), 4) for frame in frames]
-    given, expected = streams("binomial", frames, limits)
-    parameters = built("binomial").changed(fit="gradient", suppression=radius)
+    changes = {"fit": "gradient", "suppression": radius}
+    given, expected = streams("binomial", frames, limits, **changes)
+    parameters = built("binomial").changed(**changes)
     for stalls in (NO_STALLS, Stalls(inputs=0.3, outputs=0.4, seed=13)):
         run(engine("compiled", InStep, parameters), given, expected, stalls)
 

@@ -16,7 +16,7 @@ from golden.formats import BUDGET_BITS, MARGIN
 from golden.parameters import Parameters
 from hdl.build import Build
 from hdl.candidate_selection import INSIDE, CandidateSelection, pending_record_layout
-from hdl.derivatives import derivatives_layout
+from hdl.fits import derivatives_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls, Stimulus
 from tests.support.blocks import (

@@ -24,7 +24,7 @@ from tests.support.blocks import (
     engine,
     extremes,
     noise,
-    pack,
+    pack_samples,
     run,
     unpack,
 )
@@ -40,8 +40,8 @@ def check(
     inner = [frame[3:-3, 3:-3] for frame in frames]
     capture = run(
         engine(name, CentreRows, parameters),
-        {"i": pack(block.i.payload.shape(), columns(frames, 9))},
-        {"o": pack(block.o.payload.shape(), columns(inner, 3))},
+        {"i": pack_samples(block.i.payload.shape(), columns(frames, 9))},
+        {"o": pack_samples(block.o.payload.shape(), columns(inner, 3))},
         stalls,
     )
     if stalls == NO_STALLS:
@@ -70,7 +70,7 @@ def test_by_hand(name: EngineName) -> None:
     frame = 10 * np.arange(10)[:, None] + np.arange(9)
     layout = CentreRows(Build.profile("paper")).o.payload.shape()
     seen = unpack(layout, check([frame], name).outputs["o"])
-    assert seen["data"].tolist() == [
+    assert seen["data"]["response"].tolist() == [
         [33, 43, 53],
         [34, 44, 54],
         [35, 45, 55],

@@ -25,6 +25,7 @@ from tests.support.blocks import (
     extremes,
     noise,
     pack,
+    pack_samples,
     raster,
     run,
 )
@@ -49,7 +50,10 @@ def check(
     expected["data"] = {"corner": expected["data"], "response": responses["data"]}
     capture = run(
         engine(name, CornerDetection, parameters),
-        {"i": pack(block.i.payload.shape(), columns(frames, 3)), "t1": np.array(t1, np.uint64)},
+        {
+            "i": pack_samples(block.i.payload.shape(), columns(frames, 3)),
+            "t1": np.array(t1, np.uint64),
+        },
         {"o": pack(block.o.payload.shape(), expected)},
         stalls,
     )
@@ -118,7 +122,7 @@ def test_a_frame_waits_for_its_threshold() -> None:
     """Without T1 no column is taken."""
     block = CornerDetection(Build.profile("paper"))
     runner = engine("compiled", CornerDetection, Build.profile("paper"))
-    given = pack(block.i.payload.shape(), columns(noise([(4, 5), (3, 6)], FULL), 3))
+    given = pack_samples(block.i.payload.shape(), columns(noise([(4, 5), (3, 6)], FULL), 3))
     with pytest.raises(SimulationHang, match=r"i 10 of 16 in, t1 1 of 1 in, .*o 6 out"):
         runner.run(Stimulus({"i": given, "t1": np.array([7], np.uint64)}), max_clocks=200)
 

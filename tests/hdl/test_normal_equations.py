@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from amaranth.hdl import unsigned
 from numpy.lib.stride_tricks import sliding_window_view
 
 from golden.formats import MAX_PIXEL_BITS, MIN_PIXEL_BITS
@@ -17,10 +16,9 @@ from golden.normal_equations import LARGEST, PIXEL_SIZE, largest, normal_equatio
 from golden.parameters import Parameters
 from golden.subpixel import derivative_bits
 from hdl.build import Build
-from hdl.derivatives import derivatives_layout
+from hdl.fits import derivatives_layout
 from hdl.gradient_step import GradientStep
 from hdl.normal_equations import NormalEquations
-from hdl.parts.stream import Columns
 from sim.engine import EngineName
 from sim.stimulus import Stalls, Stimulus
 from tests.support.blocks import (
@@ -36,6 +34,7 @@ from tests.support.blocks import (
     extremes,
     noise,
     pack,
+    pack_samples,
     run,
     same,
 )
@@ -51,7 +50,8 @@ def streams(frames: list[Array], parameters: Parameters) -> tuple[dict[str, Word
         for frame in frames
     ]
     expected = normal_equations(np.concatenate(windows))
-    given = pack(Columns(unsigned(parameters.pixel_bits), PIXEL_SIZE), columns(frames, PIXEL_SIZE))
+    shape = GradientStep(parameters).i.payload.shape()
+    given = pack_samples(shape, columns(frames, PIXEL_SIZE), "pixel")
     return {"i": given}, {"o": pack(derivatives_layout(parameters), expected._asdict())}
 
 

@@ -26,7 +26,7 @@ from tests.support.blocks import (
     engine,
     extremes,
     noise,
-    pack,
+    pack_samples,
     run,
     unpack,
 )
@@ -49,8 +49,8 @@ def check(
     inner = [frame[edge : len(frame) - edge, edge : frame.shape[1] - edge] for frame in inner]
     capture = run(
         engine(name, ResponseFilter, parameters),
-        {"i": pack(block.i.payload.shape(), columns(frames, 9))},
-        {"o": pack(block.o.payload.shape(), columns(inner, 2 * radius + 1))},
+        {"i": pack_samples(block.i.payload.shape(), columns(frames, 9))},
+        {"o": pack_samples(block.o.payload.shape(), columns(inner, 2 * radius + 1))},
         stalls,
     )
     if stalls == NO_STALLS:
@@ -96,7 +96,7 @@ def test_by_hand(name: EngineName) -> None:
     frame[4, 4], frame[3, 5] = 160, 16
     layout = ResponseFilter(SIGNED).o.payload.shape()
     seen = unpack(layout, check([frame], name).outputs["o"])
-    assert seen["data"].tolist() == [[10, 20, 10], [22, 41, 20], [14, 22, 10]]
+    assert seen["data"]["response"].tolist() == [[10, 20, 10], [22, 41, 20], [14, 22, 10]]
 
 
 def test_latency() -> None:

@@ -14,7 +14,7 @@ from golden.normal_equations import normal_equations
 from golden.subpixel import FITS as GOLDEN_FITS
 from golden.subpixel import Int64, derivative_bits, peak
 from hdl.build import Build
-from hdl.derivatives import FORMATS, derivatives_layout
+from hdl.fits import derivatives_layout, equations_block
 from hdl.subpixel import Subpixel, offset_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
@@ -61,6 +61,7 @@ def check_derivatives(
     """``values`` as the golden model has them."""
     parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
     block = Subpixel(parameters)
+    formats = equations_block(parameters).formats(parameters)
     offset = peak(values, derivative_bits(parameters), GOLDEN_FITS[fit].mantissa_bits, GOLDEN_FITS[fit].limit)
     fields = {
         "dx": offset.dx,
@@ -70,7 +71,7 @@ def check_derivatives(
     }
     given = {
         field: value >> form.zeros
-        for (field, value), form in zip(values._asdict().items(), FORMATS[fit], strict=True)
+        for (field, value), form in zip(values._asdict().items(), formats, strict=True)
     }
     capture = run(
         engine(name, Subpixel, parameters),
@@ -181,7 +182,8 @@ def test_any_derivatives(fit: Fit, pixel_bits: int) -> None:
     parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
     rng = np.random.default_rng(pixel_bits)
     values = []
-    for (_, field), form in zip(derivatives_layout(parameters), FORMATS[fit], strict=True):
+    formats = equations_block(parameters).formats(parameters)
+    for (_, field), form in zip(derivatives_layout(parameters), formats, strict=True):
         top = (1 << (field.width - 1)) - 1
         ends = rng.choice([-top - 1, -top, -1, 0, 1, top], 20_000)
         anything = rng.integers(-top - 1, top, 20_000, endpoint=True)

@@ -26,6 +26,7 @@ from tests.support.blocks import (
     extremes,
     noise,
     pack,
+    pack_samples,
     raster,
     run,
 )
@@ -58,7 +59,10 @@ def check(
     expected["data"] = {"corner": expected["data"], "response": responses["data"], **counted}
     capture = run(
         engine(name, Suppression, parameters),
-        {"i": pack(block.i.payload.shape(), columns(frames, WINDOW_SIZE)), "t1": np.array(t1, np.uint64)},
+        {
+            "i": pack_samples(block.i.payload.shape(), columns(frames, WINDOW_SIZE)),
+            "t1": np.array(t1, np.uint64),
+        },
         {"o": pack(block.o.payload.shape(), expected)},
         stalls,
     )
@@ -120,7 +124,7 @@ def test_a_frame_waits_for_its_threshold() -> None:
     """Without T1 no column is taken."""
     parameters = Build.profile("paper", suppression=2)
     block = Suppression(parameters)
-    given = pack(block.i.payload.shape(), columns(noise([(10, 10), (9, 11)], FULL), WINDOW_SIZE))
+    given = pack_samples(block.i.payload.shape(), columns(noise([(10, 10), (9, 11)], FULL), WINDOW_SIZE))
     stimulus = Stimulus({"i": given, "t1": np.array([7], np.uint64)})
     with pytest.raises(SimulationHang, match=r"i 20 of 31 in, t1 1 of 1 in, .*o 4 out"):
         engine("compiled", Suppression, parameters).run(stimulus, max_clocks=200)

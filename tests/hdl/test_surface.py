@@ -13,8 +13,8 @@ from golden.algorithm import Fit
 from golden.subpixel import FITS as GOLDEN_FITS
 from golden.subpixel import derivative_bits
 from hdl.build import Build
-from hdl.derivatives import FORMATS, derivatives_layout
-from hdl.surface import SurfaceFit
+from hdl.fits import derivatives_layout
+from hdl.surface import SURFACES, SurfaceFit
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
 from tests.support.blocks import (
@@ -30,6 +30,7 @@ from tests.support.blocks import (
     extremes,
     noise,
     pack,
+    pack_samples,
     run,
     unpack,
 )
@@ -53,13 +54,13 @@ def check(
     patches = np.concatenate([sliding_window_view(frame, (3, 3)).reshape(-1, 3, 3) for frame in wide])
     values = GOLDEN_FITS[fit].derivatives(patches, None)._asdict()
     expected = {}
-    for (field, value), form in zip(values.items(), FORMATS[fit], strict=True):
+    for (field, value), form in zip(values.items(), SURFACES[fit].formats, strict=True):
         # what the hardware leaves out is always zero
         assert not (value & ((1 << form.zeros) - 1)).any()
         expected[field] = value >> form.zeros
     capture = run(
         engine(name, SurfaceFit, parameters),
-        {"i": pack(block.i.payload.shape(), columns(frames, 3))},
+        {"i": pack_samples(block.i.payload.shape(), columns(frames, 3))},
         {"o": pack(derivatives_layout(parameters), expected)},
         stalls,
     )
@@ -133,9 +134,11 @@ def test_layout_is_as_wide_as_needed_and_no_wider(fit: Fit, pixel_bits: int) -> 
     patches = np.array(list(product((0, parameters.response_max), repeat=9))).reshape(-1, 3, 3)
     values = GOLDEN_FITS[fit].derivatives(patches, None)
     layout = derivatives_layout(parameters)
-    for value, (_, field), form in zip(values, layout, FORMATS[fit], strict=True):
+    for value, (_, field), form in zip(values, layout, SURFACES[fit].formats, strict=True):
         assert field.width == int(np.abs(value >> form.zeros).max()).bit_length() + 1
-    widest = max(field.width + form.zeros for (_, field), form in zip(layout, FORMATS[fit], strict=True))
+    widest = max(
+        field.width + form.zeros for (_, field), form in zip(layout, SURFACES[fit].formats, strict=True)
+    )
     assert widest == derivative_bits(parameters) + 1
 
 
@@ -145,4 +148,4 @@ def test_latency() -> None:
 
 def test_the_printed_fit_is_refused() -> None:
     with pytest.raises(ValueError, match="fit is 'printed'; allowed in hardware: nine, six"):
-        SurfaceFit(Build.profile("paper", fit="printed"))
+        derivatives_layout(Build.profile("paper", fit="printed"))

@@ -27,6 +27,7 @@ from tests.support.blocks import (
     extremes,
     noise,
     pack,
+    pack_samples,
     raster,
     run,
 )
@@ -63,7 +64,7 @@ def check(
     capture = run(
         engine(name, TextureFilter, parameters),
         {
-            "i": pack(block.i.payload.shape(), columns(frames, 9)),
+            "i": pack_samples(block.i.payload.shape(), columns(frames, 9)),
             "thresholds": pack(thresholds_layout(parameters), limits),
         },
         {"o": pack(block.o.payload.shape(), tagged)},

@@ -34,6 +34,7 @@ from tests.support.blocks import (
     engine,
     noise,
     pack,
+    pack_samples,
     raster,
     run,
 )
@@ -94,7 +95,7 @@ def check(
     adapted: int | None = None,
 ) -> Capture:
     block = Thresholds(parameters)
-    beats = pack(block.i.payload.shape(), raster([responses for responses, _ in frames]))
+    beats = pack_samples(block.i.payload.shape(), raster([responses for responses, _ in frames]))
     expected = limits(frames, parameters, adapted)
     known = 0 if adapted is None else adapted | 1 << parameters.response_bits
     fields = {
@@ -181,7 +182,9 @@ def test_adapted(adapted: int | None, name: EngineName) -> None:
 def test_a_frame_waits_until_it_is_adapted() -> None:
     frames = [(responses, Settings()) for responses in noise([(2, 5)], FULL)]
     inputs = {
-        "i": pack(Thresholds(BUDGET).i.payload.shape(), raster([responses for responses, _ in frames])),
+        "i": pack_samples(
+            Thresholds(BUDGET).i.payload.shape(), raster([responses for responses, _ in frames])
+        ),
         "settings": pack_settings(BUDGET, [settings for _, settings in frames]),
     }
     with pytest.raises(SimulationHang, match="i 0 of 10 in"):
@@ -235,7 +238,7 @@ def test_the_next_frame_waits_until_the_thresholds_are_taken() -> None:
     """
     dut = Thresholds(PARAMETERS)
     frames = some_frames([(3, 12), (3, 12)])
-    beats = pack(dut.i.payload.shape(), raster([responses for responses, _ in frames])).tolist()
+    beats = pack_samples(dut.i.payload.shape(), raster([responses for responses, _ in frames])).tolist()
     packed = pack_settings(PARAMETERS, [settings for _, settings in frames])
     settings = [int.from_bytes(row.tobytes(), "little") for row in packed]
     waits_until = 500

@@ -128,7 +128,7 @@ def test_save_file_shows_what_the_detector_does(tmp_path: Path) -> None:
     assert shown["records", "y (1/128 px)"] >= set((128 * corners.y).astype(int).tolist())
     assert shown["records", "response"] >= set(corners.response.tolist())
     assert shown["records", "textured"] == {0, 1}
-    assert shown["responses", "data"] >= set(response_map(image, parameters).ravel().tolist())
+    assert shown["responses", "response"] >= set(response_map(image, parameters).ravel().tolist())
 
 
 @pytest.mark.parametrize(

@@ -95,6 +95,21 @@ def pack(shape: Any, value: Any) -> Words:
     return words[:, 0] if words.shape[1] == 1 else words
 
 
+def pack_samples(shape: Any, beats: dict[str, Any], name: str = "response") -> Words:
+    """Beats or columns of numbers as ``shape`` has them, in whose samples they are the members of
+    this name; what else a sample has is noise.
+    """
+    values, sample = beats["data"], shape["data"].shape
+    if isinstance(sample, data.ArrayLayout):
+        sample = sample.elem_shape
+    rng = np.random.default_rng(len(values))
+    members = {
+        str(member): values if member == name else rng.integers(0, 1 << field.width, values.shape)
+        for member, field in sample
+    }
+    return pack(shape, beats | {"data": members})
+
+
 def unpack(shape: Any, words: Words, at: int = 0) -> Any:
     """The reverse of :func:`pack`; leaves are int64."""
     words = words.reshape(len(words), -1)
@@ -102,7 +117,10 @@ def unpack(shape: Any, words: Words, at: int = 0) -> Any:
         return {name: unpack(field.shape, words, at + field.offset) for name, field in shape}
     if isinstance(shape, data.ArrayLayout):
         step = Shape.cast(shape.elem_shape).width
-        return np.stack([unpack(shape.elem_shape, words, at + k * step) for k in range(shape.length)], axis=1)
+        elements = [unpack(shape.elem_shape, words, at + k * step) for k in range(shape.length)]
+        if isinstance(elements[0], dict):
+            return {name: np.stack([each[name] for each in elements], axis=1) for name in elements[0]}
+        return np.stack(elements, axis=1)
     leaf = Shape.cast(shape)
     word, offset = divmod(at, 64)
     result = words[:, word] >> np.uint64(offset)

@@ -1,0 +1,30 @@
+"""Which block finds the equations for a candidate's offset, by the fit."""
+
+from __future__ import annotations
+
+from amaranth.lib import data
+
+from golden.algorithm import Fit
+from golden.parameters import Parameters
+from hdl.derivatives import layout
+from hdl.gradient_step import GradientStep
+from hdl.surface import SurfaceFit
+
+EquationsBlock = type[SurfaceFit] | type[GradientStep]
+
+FITS: dict[Fit, EquationsBlock] = {"nine": SurfaceFit, "six": SurfaceFit, "gradient": GradientStep}
+"""What else depends on the fit is said by the block, and by ``golden.subpixel.FITS``."""
+
+
+def equations_block(parameters: Parameters) -> EquationsBlock:
+    """``ValueError`` for a fit that exists in the golden model only."""
+    fit = parameters.algorithm.fit
+    if fit not in FITS:
+        raise ValueError(f"fit is {fit!r}; allowed in hardware: {', '.join(FITS)}")
+    return FITS[fit]
+
+
+def derivatives_layout(parameters: Parameters) -> data.StructLayout:
+    """The five numbers as the detector's block delivers them: see :func:`hdl.derivatives.layout`."""
+    block = equations_block(parameters)
+    return layout(block.formats(parameters), block.unit(parameters))

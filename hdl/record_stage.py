@@ -1,0 +1,64 @@
+# amaranth: UnusedElaboratable=no
+"""Last stage of the detector: from candidates to records."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.output_constructor import COUNT_BITS
+from hdl.build import Build
+from hdl.candidate_selection import pending_record_layout
+from hdl.fits import derivatives_layout
+from hdl.output_constructor import OutputConstructor, record_layout
+from hdl.parts.nets import connect_by_name
+from hdl.parts.optional import optional
+from hdl.subpixel import Subpixel
+
+
+class RecordStage(wiring.Component):
+    """Records out of candidates.
+
+        candidates ─ subpixel ─┬─ output constructor ─ records
+        pending records ───────┘
+
+    Members
+    -------
+    candidate
+        Stream of ``derivatives_layout(parameters)``.
+    pending
+        Stream of ``pending_record_layout(parameters)``: one for each candidate, and ends of frames.
+    o
+        Stream of ``record_layout()``.
+    found
+        With ``budget`` only: see :class:`hdl.output_constructor.OutputConstructor`.
+    """
+
+    def __init__(self, parameters: Build) -> None:
+        self.subpixel = Subpixel(parameters)
+        self.output_constructor = OutputConstructor(parameters)
+        super().__init__(
+            {
+                "candidate": In(stream.Signature(derivatives_layout(parameters))),
+                "pending": In(stream.Signature(pending_record_layout(parameters))),
+                "o": Out(stream.Signature(record_layout())),
+                **optional(parameters.budget, found=Out(COUNT_BITS)),
+            }
+        )
+
+    @property
+    def blocks(self) -> dict[str, Any]:
+        """What an end-of-frame record passes, by name, with a ``latency``."""
+        return {"output constructor": self.output_constructor}
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.subpixel = subpixel = self.subpixel
+        m.submodules.output_constructor = constructor = self.output_constructor
+        wiring.connect(m, wiring.flipped(self.candidate), subpixel.i)
+        wiring.connect(m, subpixel.o, constructor.offset)
+        connect_by_name(m, wiring.flipped(self), constructor)
+        return m

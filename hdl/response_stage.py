@@ -1,0 +1,123 @@
+# amaranth: UnusedElaboratable=no
+"""First stage of the detector: from pixels to responses, with each frame's thresholds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module, unsigned
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from hdl.adaptation import adapted_layout
+from hdl.build import Build
+from hdl.centre_pixels import CentrePixels
+from hdl.convolution import Convolution
+from hdl.frame_control import FrameControl
+from hdl.parts.circular_buffer import CircularBuffer
+from hdl.parts.nets import chain, connect_by_name
+from hdl.parts.optional import optional
+from hdl.parts.stream import Beat, SkidBuffer
+from hdl.preprocessing import PIXEL_ROWS, Preprocessing
+from hdl.response import Response
+from hdl.sample import sample_layout
+from hdl.thresholds import Thresholds, settings_layout, settings_members, thresholds_layout
+
+
+class ResponseStage(wiring.Component):
+    """Samples out of pixels.
+
+        pixels ─ frame control ─ buffer 7 ─┬ preprocessing ─ convolution ─ response ─┬─ skid ─ thresholds
+                                           └─────────── centre pixels ───────────────┘
+
+    Centre pixels are there where the pixel rides along with its response.
+
+    Members
+    -------
+    i
+        Stream of pixels, unsigned(pixel_bits).
+    width, height, and the fields of ``settings_layout(parameters)``
+        Of the next frame, as in :class:`hdl.frame_control.FrameControl`.
+    samples
+        Stream of ``Beat(sample_layout(parameters))``: (height-6) rows of width-6.
+    limits
+        Stream of ``thresholds_layout(parameters)``, one per frame.
+    largest, adapted, adapting
+        As in :class:`hdl.thresholds.Thresholds`; the last two with ``budget`` only.
+    """
+
+    def __init__(self, parameters: Build) -> None:
+        self._parameters = p = parameters
+        pixel, sample = unsigned(p.pixel_bits), sample_layout(p)
+        self.frame_control = FrameControl(p)
+        self.pixel_buffer = CircularBuffer(pixel, PIXEL_ROWS, p.max_width, p.buffering)
+        self.preprocessing = Preprocessing(p)
+        self.convolution = Convolution(p)
+        self.response = Response(p)
+        self.skid = SkidBuffer(Beat(sample))
+        self.thresholds = Thresholds(p)
+        beside = sum(block.latency for block in (self.preprocessing, self.convolution, self.response))
+        self._riders = optional("pixel" in sample.members, pixel=CentrePixels(p, beside))
+        super().__init__(
+            {
+                "i": In(stream.Signature(pixel)),
+                "width": In(range(p.max_width + 1)),
+                "height": In(range(p.max_height + 1)),
+                **settings_members(p),
+                "samples": Out(stream.Signature(Beat(sample))),
+                "limits": Out(stream.Signature(thresholds_layout(p))),
+                "largest": In(p.response_bits),
+                **optional(p.budget, adapted=In(adapted_layout(p)), adapting=In(1)),
+            }
+        )
+
+    @property
+    def blocks(self) -> dict[str, Any]:
+        """Every block on the way of a frame's last pixel, by name, with a ``latency``."""
+        return {
+            "frame control": self.frame_control,
+            "pixel buffer": self.pixel_buffer,
+            "preprocessing": self.preprocessing,
+            "convolution": self.convolution,
+            "response": self.response,
+            "response skid": self.skid,
+            "thresholds": self.thresholds,
+        }
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        for name, block in self.blocks.items():
+            m.submodules[name.replace(" ", "_")] = block
+        control, thresholds = self.frame_control, self.thresholds
+        connect_by_name(m, wiring.flipped(self), control)
+        for name, _ in settings_layout(self._parameters):
+            m.d.comb += control.next_settings[name].eq(getattr(self, str(name)))
+        chain(m, control, self.pixel_buffer, self.preprocessing, self.convolution, self.response)
+        self._join(m)
+        chain(m, self.skid, thresholds)
+        wiring.connect(m, thresholds.o, wiring.flipped(self.samples))
+        wiring.connect(m, control.settings, thresholds.settings)
+        wiring.connect(m, thresholds.thresholds, wiring.flipped(self.limits))
+        connect_by_name(m, wiring.flipped(self), thresholds, names=("largest", "adapted", "adapting"))
+        return m
+
+    def _join(self, m: Module) -> None:
+        """Responses, each with what rides along: the pixel at its centre."""
+        columns, responses, samples = self.pixel_buffer.o, self.response.o, self.skid.i
+        m.d.comb += [
+            samples.valid.eq(responses.valid),
+            responses.ready.eq(samples.ready),
+            samples.payload.data.response.eq(responses.payload.data),
+            samples.payload.eol.eq(responses.payload.eol),
+            samples.payload.eof.eq(responses.payload.eof),
+        ]
+        for name, rider in self._riders.items():
+            m.submodules[f"centre_{name}s"] = rider
+            m.d.comb += [
+                # the blocks from preprocessing to response move together, whenever what follows
+                # them is ready
+                rider.enable.eq(responses.ready),
+                rider.step.eq(columns.valid & columns.ready),
+                rider.i.eq(columns.payload.data[PIXEL_ROWS // 2]),
+                samples.payload.data[name].eq(rider.o),
+            ]
