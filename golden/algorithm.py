@@ -8,6 +8,8 @@ from typing import Literal
 from golden.formats import MAX_SUPPRESSION
 from golden.options import check_options, option
 
+Response = Literal["shi_tomasi"]
+"""Names of files in ``golden/responses`` and ``hdl/responses``."""
 Gradient = Literal["absolute", "signed"]
 Derivative = Literal["central", "sobel"]
 ResponseFilter = Literal["none", "binomial"]
@@ -25,6 +27,8 @@ class Algorithm:
 
     Parameters
     ----------
+    response
+        Response function D. ``"shi_tomasi"``: twice the smaller eigenvalue of the tensor (Eq. 2).
     gradient
         ``"absolute"``: C = |gx|·|gy|, as the paper prints it; ``"signed"``: C = gx·gy. Without the
         sign, corners whose edges lie at ±45° have no response.
@@ -66,6 +70,7 @@ class Algorithm:
         allowed.
     """
 
+    response: Response = option("shi_tomasi", "Response function.")
     gradient: Gradient = option(
         "absolute", "Product of the gradients: of their sizes, as the paper has it, or with its sign."
     )

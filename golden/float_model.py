@@ -18,11 +18,12 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from golden.algorithm import Derivative, Fit, Gradient, Patches, Ties
+from golden.algorithm import Derivative, Fit, Gradient, Patches, Response, Ties
 from golden.corners import Corners, Flag
 from golden.detector import check_image, chosen_parameters, chosen_settings
 from golden.formats import MARGIN
 from golden.parameters import Parameters
+from golden.responses import response_function
 from golden.settings import Settings
 
 LEVEL_GAIN = 81 / 64
@@ -80,13 +81,19 @@ def smooth(values: Map) -> Map:
     return result
 
 
-def response_map(image: NDArray[Any], gradient: Gradient, derivative: Derivative = "central") -> Map:
-    """D = (A + B) - sqrt((A - B)² + 4C²) (Eq. 2), defined from 3 pixels off the edge on."""
+def response_map(
+    image: NDArray[Any],
+    gradient: Gradient,
+    derivative: Derivative = "central",
+    response: Response = "shi_tomasi",
+    pixel_bits: int = 8,
+) -> Map:
+    """D, for instance (A + B) - sqrt((A - B)² + 4C²) (Eq. 2), defined from 3 pixels off the edge on."""
     gx, gy = gradients(image, derivative)
     if gradient == "absolute":
         gx, gy = np.abs(gx), np.abs(gy)
     a, b, c = smooth(gx * gx), smooth(gy * gy), smooth(gx * gy)
-    return (a + b) - np.sqrt((a - b) ** 2 + 4 * c**2)
+    return response_function(response).exact(a, b, c, pixel_bits)
 
 
 def binomial(responses: Map) -> Map:
@@ -204,7 +211,10 @@ def reference_detect(
     parameters = chosen_parameters(parameters)
     settings = chosen_settings(settings, parameters)
     image = check_image(image, parameters)
-    responses = response_map(image, parameters.algorithm.gradient, parameters.algorithm.derivative)
+    algorithm = parameters.algorithm
+    responses = response_map(
+        image, algorithm.gradient, algorithm.derivative, algorithm.response, parameters.pixel_bits
+    )
     peaks = binomial(responses) if parameters.algorithm.response_filter == "binomial" else responses
     given = reference is not None
     if reference is None:

@@ -190,7 +190,7 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
         strip = image[top : top + _STRIP_ROWS + 2 * RESPONSE_MARGIN]
         gx, gy = gradients(strip, parameters.algorithm.derivative)
         a, b, c = (smooth(product) for product in products(gx, gy, parameters.algorithm.gradient))
-        result[top : top + _STRIP_ROWS] = response(a, b, c)
+        result[top : top + _STRIP_ROWS] = response(a, b, c, parameters)
     return result
 
 

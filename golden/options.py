@@ -64,9 +64,15 @@ def option(default: T, help: str, *, low: int = 0, high: int = 0) -> T:
     return field(default=default, metadata={"help": help, "low": low, "high": high})
 
 
-@cache
 def options(owner: type) -> dict[str, Option]:
-    """The options of a dataclass by name, in the order of its fields, its parents' first."""
+    """The options of a dataclass by name, in the order of its fields: those of its parents first.
+    Where only one value is allowed there is nothing to choose, and no option.
+    """
+    return {name: each for name, each in _fields(owner).items() if len(each.choices) != 1}
+
+
+@cache
+def _fields(owner: type) -> dict[str, Option]:
     annotations = get_type_hints(owner)
     found: dict[str, Option] = {}
     for each in fields(owner):
@@ -81,5 +87,5 @@ def options(owner: type) -> dict[str, Option]:
 def check_options(frozen: object) -> None:
     """Raise ``ValueError`` for the first option whose value is not allowed."""
     # the type of any object is hashable, which mypy does not see
-    for each in options(type(frozen)).values():  # type: ignore[arg-type]
+    for each in _fields(type(frozen)).values():  # type: ignore[arg-type]
         each.check(frozen)

@@ -5,13 +5,14 @@ The formats are derived here and nowhere else, so that the two cannot drift apar
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Self
 
 from golden.algorithm import DEFAULT_PROFILE, PROFILES, Algorithm
 from golden.checks import check_type
 from golden.formats import MAX_PIXEL_BITS, MAX_SIDE, MIN_PIXEL_BITS, SUPPORT
-from golden.options import check_options, option
+from golden.options import check_options, option, options
+from golden.responses import response_function
 
 _ALGORITHM = frozenset(field.name for field in fields(Algorithm))
 
@@ -104,10 +105,10 @@ class Parameters:
         return replace(self, **{"algorithm": replace(self.algorithm, **algorithm), **own})
 
     def as_dict(self) -> dict[str, Any]:
-        """All fields by name, those of the algorithm among its own."""
+        """All that can be chosen by name, its algorithm's options among its own fields."""
         own = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "algorithm"}
         size = {name: own.pop(name) for name in ("pixel_bits", "max_width", "max_height")}
-        return {**size, **asdict(self.algorithm), **own}
+        return {**size, **{name: getattr(self.algorithm, name) for name in options(Algorithm)}, **own}
 
     @property
     def pixel_max(self) -> int:
@@ -136,14 +137,8 @@ class Parameters:
 
     @property
     def response_max(self) -> int:
-        """Full scale of D.
-
-        D is twice the smaller eigenvalue of the tensor T, and so at most 2·uᵀTu for any unit vector
-        u. With u along an axis, this bound is 2A or 2B. With u = (1, -1)/√2, it is A + B - 2C.
-        Where gradients are absolute, that is the mean of (|gx| - |gy|)², which is no more than one
-        full product; rounding A, B and C adds less than 2.
-        """
-        return self.product_max + 1 if self.algorithm.gradient == "absolute" else 2 * self.product_max
+        """Full scale of D."""
+        return response_function(self.algorithm.response).response_max(self.pixel_bits, self.algorithm)
 
     @property
     def response_bits(self) -> int:

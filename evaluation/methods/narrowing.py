@@ -137,7 +137,8 @@ def _tensor(
             parts = products(
                 *gradients(image, parameters.algorithm.derivative), parameters.algorithm.gradient
             )
-            return response(*(_smooth(part, cut) for part in parts))
+            a, b, c = (_smooth(part, cut) for part in parts)
+            return response(a, b, c, parameters)
 
         # the same block for pixels of fewer bits
         block = Response(_built(parameters, pixel_bits=parameters.pixel_bits - cut // 2))

@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -118,9 +119,10 @@ class Synthesis:
     @property
     def blocks(self) -> dict[str, Area]:
         """Area of each block of the top module by name, all inside included; wiring between them is
-        ``(top)``.
+        ``(top)``. Of a stage, which only connects, its blocks count.
         """
-        areas = {block.name: block.area for block in self.tree.blocks}
+        stages = [stage.blocks if stage.own == Area() else (stage,) for stage in self.tree.blocks]
+        areas = {block.name: block.area for block in chain.from_iterable(stages)}
         return areas | {"(top)": self.tree.own} if self.tree.own != Area() else areas
 
     @property

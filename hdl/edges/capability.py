@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from golden.algorithm import PROFILES
+from collections.abc import Iterable
+
+from golden.algorithm import PROFILES, Algorithm
+from golden.options import options
 from hdl.build import Build
 from hdl.edges.register import Field, Register
 
@@ -29,22 +32,43 @@ bit is set; text.
 """
 
 
+def _numbered(names: Iterable[str], start: int = 0) -> str:
+    return ", ".join(f"{number} {name}" for number, name in enumerate(names, start))
+
+
 def capability(build: Build) -> Register:
     """The register of a core that is built so. Its fields are the same in all builds."""
     values = build.as_dict()
     suppression = build.algorithm.suppression
     profiles = {algorithm: number for number, algorithm in enumerate(PROFILES.values(), 1)}
-    named = ", ".join(f"{number} {name}" for number, name in enumerate(PROFILES, 1))
     fields = (
         Field("pixels_per_clock", 0, 4, "Pixels per clock.", 1),
         Field("pixel_bits", 4, 4, "Width of a pixel.", build.pixel_bits),
-        Field("profile", 16, 4, f"The algorithm: {named}, 0 any other.", profiles.get(build.algorithm, 0)),
+        Field(
+            "profile",
+            16,
+            4,
+            f"The algorithm: {_numbered(PROFILES, 1)}, 0 any other.",
+            profiles.get(build.algorithm, 0),
+        ),
         Field(
             "suppression",
             28,
             3,
             "Radius of the non-maximum suppression; 0 stands for 1.",
             suppression if suppression > 1 else 0,
+        ),
+        *(
+            # only where there is a choice
+            Field(
+                each.name,
+                24,
+                4,
+                f"Response function: {_numbered(each.choices)}.",
+                each.choices.index(values[each.name]),
+            )
+            for each in options(Algorithm).values()
+            if each.name == "response"
         ),
         *(
             Field(name, bit, 1, text, int(values[option] == value))

@@ -155,7 +155,7 @@ SELECTION = Claim(
         Fault("pending.i.valid.eq(picked | ending)", "pending.i.valid.eq(picked)", "pending: ", 5),
         Fault("first | (response > self.largest)", "response > self.largest", "pending: another beat", 14),
         Fault("[x.eq(MARGIN), y.eq(y + 1)]", "x.eq(MARGIN)", "pending: another beat", 6),
-        Fault("Signal(), step & corner.corner", "Signal(), self.corners.valid & corner.corner", "", 14),
+        Fault("picked.eq(step &", "picked.eq(self.corners.valid &", "", 14),
     ),
 )
 

@@ -171,7 +171,8 @@ def test_corners_come_in_raster_order(camera: np.ndarray) -> None:
 def test_strips_leave_no_seam(camera: np.ndarray, height: int) -> None:
     image = camera[200 : 200 + height, 180:240]
     a, b, c = (smooth(product) for product in products(*gradients(image), "signed"))
-    assert (response_map(image, Parameters.profile("paper", gradient="signed")) == response(a, b, c)).all()
+    parameters = Parameters.profile("paper", gradient="signed")
+    assert (response_map(image, parameters) == response(a, b, c, parameters)).all()
 
 
 @pytest.mark.parametrize("detector", [detect, reference_detect])

@@ -119,7 +119,7 @@ def test_full_scale_of_absolute_gradients_is_half_of_all_products(pixel_bits: in
         turned = rng.random((20_000, 25)) < 0.5
         gx, gy = np.where(turned, large, small), np.where(turned, small, large)
         a, b, c = (((kernel * product).sum(axis=1) + 32) >> 6 for product in products(gx, gy, "absolute"))
-        largest_response = max(largest_response, int(response(a, b, c).max()))
+        largest_response = max(largest_response, int(response(a, b, c, parameters).max()))
     assert parameters.product_max - 1 <= largest_response <= parameters.response_max
 
 

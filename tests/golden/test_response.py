@@ -9,12 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from golden.parameters import Parameters
 from golden.response import response
+
+PAPER = Parameters.profile("paper")
 
 
 def of(a: int, b: int, c: int) -> int:
     return int(
-        response(np.array([[a]], np.int32), np.array([[b]], np.int32), np.array([[c]], np.int32))[0, 0]
+        response(np.array([[a]], np.int32), np.array([[b]], np.int32), np.array([[c]], np.int32), PAPER)[0, 0]
     )
 
 
@@ -59,4 +62,4 @@ def test_rounding_the_tensor_makes_the_root_at_most_one_too_large() -> None:
     a, b, c = ((values + 32) >> 6 for values in (a, b, c))
     excess = np.floor(np.sqrt((a - b) ** 2 + 4 * c**2)) - (a + b)
     assert excess.max() == 1
-    assert (response(a, b, c) >= 0).all()
+    assert (response(a, b, c, PAPER) >= 0).all()

@@ -49,7 +49,7 @@ def check(
     block = Response(parameters)
     tagged = raster(tensors)
     tagged["data"] = {name: tagged["data"][:, k] for k, name in enumerate("abc")}
-    responses = [response(frame[..., 0], frame[..., 1], frame[..., 2]) for frame in tensors]
+    responses = [response(*np.moveaxis(frame, -1, 0), parameters) for frame in tensors]
     expected = pack(block.o.payload.shape(), raster(responses))
     runner = engine(name, Response, parameters)
     capture = run(runner, {"i": pack(block.i.payload.shape(), tagged)}, {"o": expected}, stalls)
@@ -109,7 +109,7 @@ def test_by_hand(name: EngineName) -> None:
     tensors = [(10, 10, 0, 20), (8, 3, 0, 6), (9, 6, 4, 7), (10, 3, 12, 0), (1, 0, 1, 0)]
     tensors += [(half, half, 0, 2 * half), (full, full, full, 0), (full, 0, 0, 0), (0, 0, 0, 0)]
     frame = np.array(tensors)[None]
-    assert response(*(frame[..., k] for k in range(3))).tolist() == [[row[3] for row in tensors]]
+    assert response(*(frame[..., k] for k in range(3)), ABSOLUTE).tolist() == [[row[3] for row in tensors]]
     check(ABSOLUTE, [frame[..., :3]], name)
 
 

@@ -104,9 +104,9 @@ MUTATIONS = {
         "latency",
     ),
     "a negative D is not clamped": Mutation(
-        "hdl/response.py",
-        "Mux(difference[-1], 0, difference[: self._response.width])",
-        "difference[: self._response.width]",
+        "hdl/responses/shi_tomasi.py",
+        "Mux(difference[-1], 0, difference[: self._response_bits])",
+        "difference[: self._response_bits]",
         "tests/hdl/test_response.py",
         "by_hand and amaranth",
     ),
@@ -240,7 +240,7 @@ MUTATIONS = {
     ),
     "what the threshold leaves of a response is not reported": Mutation(
         "hdl/candidate_selection.py",
-        'texture.response if p.algorithm.texture == "mean" else corner.response',
+        'texture.response if "response" in texture.shape().members else corner.response',
         "corner.response",
         "tests/hdl/test_detector.py",
         "photographs and robust and text",
@@ -289,8 +289,8 @@ MUTATIONS = {
     ),
     "corners do not wait for their equations": Mutation(
         "hdl/window_stage.py",
-        "equations - corners.latency - rows",
-        "equations - corners.latency - rows - 1",
+        "latest - self._arrival(block))",
+        'latest - self._arrival(block) - (name == "late corners"))',
         "tests/hdl/test_detector.py",
         "size1 and latency_without or (photographs and robust and text)",
     ),
