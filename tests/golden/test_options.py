@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Literal, get_args
+from typing import Literal, get_args, get_type_hints
 
 import pytest
 
@@ -22,6 +22,7 @@ class Paint:
     coats: int = option(2, "How many.", low=1, high=4)
     share: float = option(0.5, "Share of water.", high=1)
     gloss: bool = option(False, "Shines.")
+    base: Literal["water"] = option("water", "What it is thinned with.")
     name: str = ""
 
     def __post_init__(self) -> None:
@@ -48,6 +49,8 @@ def test_options_say_what_is_allowed() -> None:
         ("coats", 5, "coats is 5; allowed: whole numbers from 1 to 4"),
         ("share", 1, "share is 1; allowed: 0 <= share < 1"),
         ("gloss", 1, "gloss is 1; allowed: True or False"),
+        # no option, as there is nothing to choose, and yet checked
+        ("base", "oil", "base is 'oil'; allowed: water"),
     ],
 )
 def test_each_kind_is_checked(field: str, value: object, message: str) -> None:
@@ -59,7 +62,8 @@ def test_each_kind_is_checked(field: str, value: object, message: str) -> None:
 @pytest.mark.parametrize("owner", [Algorithm, Parameters, Settings, Build])
 def test_every_field_is_an_option_with_its_line_of_help(owner: type) -> None:
     found = options(owner)
-    assert {field.name for field in fields(owner)} - {"algorithm"} == set(found)
+    settled = {name for name, hint in get_type_hints(owner).items() if len(get_args(hint)) == 1}
+    assert {field.name for field in fields(owner)} - {"algorithm"} - settled == set(found)
     for each in found.values():
         assert each.help.endswith(".") and "\n" not in each.help
         assert getattr(owner(), each.name) == each.default
