@@ -9,11 +9,13 @@ import shlex
 import subprocess
 import sys
 from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 
 import click
 import pytest
 
+import cornerstream
 from cornerstream.cli import main
 
 ROOT = Path(__file__).parents[1]
@@ -144,6 +146,13 @@ def test_prose_has_100_columns(page: str) -> None:
 def test_every_page_is_in_the_navigation() -> None:
     told = re.findall(r"([\w/-]+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
     assert sorted(told) == sorted(str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md"))
+
+
+def test_every_public_name_is_described() -> None:
+    told = re.findall(r"^::: ([\w.]+)\.(\w+)$", text_of("docs/reference/python.md"), re.MULTILINE)
+    assert sorted(name for _, name in told) == sorted(set(cornerstream.__all__) - {"__version__"})
+    for home, name in told:
+        assert getattr(import_module(home), name) is getattr(cornerstream, name)
 
 
 def test_timing_diagrams_are_those_of_the_simulation() -> None:
