@@ -107,6 +107,17 @@ class VideoSettings:
         check_type("settings", self.settings, Settings)
         self.settings.check(parameters)
 
+    def fixed(self, parameters: Parameters) -> dict[str, int]:
+        """The settings as the hardware takes them: whole numbers by the names of its inputs."""
+        return {
+            "enable": int(self.enabled),
+            "ignore_eol": int(self.ignore_eol),
+            "width": self.width,
+            "height": self.height,
+            "max_records": self.max_records,
+            **self.settings.fixed(parameters),
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class Packet(ByValue):

@@ -154,14 +154,7 @@ class Bench:
 
     async def configure(self, video: VideoSettings) -> None:
         """Sets everything that can be; what was set before needs no second write."""
-        values = {
-            "width": video.width,
-            "height": video.height,
-            "max_records": video.max_records,
-            "enable": int(video.enabled),
-            "ignore_eol": int(video.ignore_eol),
-            **video.settings.fixed(self.parameters),
-        }
+        values = video.fixed(self.parameters)
         # CONTROL last, for it starts
         names = ["SIZE", "SIGMA1", "SIGMA2", "REFERENCE_INIT", "REFERENCE_MIN", "MAX_RECORDS"]
         names += [name for name in ("BUDGET", "REFERENCE") if name in self.map]

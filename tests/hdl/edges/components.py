@@ -13,7 +13,7 @@ from amaranth.lib.wiring import In, Out
 
 from golden import Parameters
 from golden.output_constructor import COUNT_BITS, Records
-from golden.video import NO_LIMIT, VideoSettings
+from golden.video import NO_LIMIT
 from hdl.edges.frame_guard import video_layout
 from hdl.edges.overlay import overlay_layout
 from hdl.edges.video_detector import VideoDetector
@@ -55,18 +55,6 @@ class PlainVideoDetector(wiring.Component):
         for name, _ in settings_layout(self._parameters):
             m.d.comb += dut.control.settings[name].eq(getattr(self, str(name)))
         return m
-
-
-def levels(video: VideoSettings, parameters: Parameters) -> dict[str, int]:
-    """Values of the plain inputs."""
-    return {
-        "enable": int(video.enabled),
-        "ignore_eol": int(video.ignore_eol),
-        "width": video.width,
-        "height": video.height,
-        "max_records": video.max_records,
-        **video.settings.fixed(parameters),
-    }
 
 
 def payloads(beats: Beats, parameters: Parameters) -> np.ndarray:

@@ -18,7 +18,7 @@ from golden.video import VideoSettings, framed
 from hdl.build import Build
 from hdl.edges.overlay import Overlay
 from sim import Stalls, Stimulus
-from tests.hdl.edges.components import PlainVideoDetector, levels, packets, payloads
+from tests.hdl.edges.components import PlainVideoDetector, packets, payloads
 from tests.support.accepted import accepted
 from tests.support.blocks import engine
 from tests.support.filters import lenient, selective
@@ -72,7 +72,7 @@ def test_pixels_and_corners(parameters: Parameters, stalls: Stalls) -> None:
     for number, image in enumerate(images):
         sigma2 = selective(parameters) if number % 3 == 1 else lenient(parameters)
         video = video_settings(parameters, image.shape[1], image.shape[0], sigma2)
-        changes.append((start, levels(video, parameters)))
+        changes.append((start, video.fixed(parameters)))
         beats = beats_of(image, parameters, video.settings)
         # a flag that waits for its pixel is the row's first, and must say that there is a corner
         edges += sum(corner for _, corner, _, _ in beats[MARGIN :: image.shape[1]])
@@ -92,7 +92,7 @@ def test_full_rate_at_the_built_maximum(parameters: Parameters) -> None:
     images = [photograph(name)[:MAX_HEIGHT, :MAX_WIDTH] for name in ("camera", "brick", "grass")]
     video = video_settings(parameters, MAX_WIDTH, MAX_HEIGHT, lenient(parameters))
     words = payloads([beat for image in images for beat in framed(image)], parameters)
-    capture = runner.run(Stimulus({"video": words}, [(0, levels(video, parameters))]), quiet=20 * MAX_WIDTH)
+    capture = runner.run(Stimulus({"video": words}, [(0, video.fixed(parameters))]), quiet=20 * MAX_WIDTH)
     clocks = capture.input_clocks["video"]
     assert clocks[-1] - clocks[0] + 1 == len(clocks)
     assert len(capture.outputs["overlay"]) == len(words)
@@ -107,7 +107,7 @@ def test_malformed_video_comes_out_cut_and_then_exact(parameters: Parameters, st
     frames = random_video(random, 100, width, height)
     video = video_settings(parameters, width, height, lenient(parameters))
     beats = [beat for _, frame in frames.frames for beat in frame]
-    stimulus = Stimulus({"video": payloads(beats, parameters)}, [(0, levels(video, parameters))], stalls)
+    stimulus = Stimulus({"video": payloads(beats, parameters)}, [(0, video.fixed(parameters))], stalls)
     capture = runner.run(stimulus, quiet=2000)
     got = shown(capture.outputs["overlay"])
     starts = [k for k, (_, _, sof, _) in enumerate(got) if sof] + [len(got)]

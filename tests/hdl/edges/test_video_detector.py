@@ -18,7 +18,7 @@ from hdl.build import Build
 from hdl.edges.video_detector import VideoDetector
 from sim import Capture, Stalls, Stimulus
 from sim.engine import Engine
-from tests.hdl.edges.components import PlainVideoDetector, levels, packets, payloads
+from tests.hdl.edges.components import PlainVideoDetector, packets, payloads
 from tests.support.blocks import engine
 from tests.support.filters import selective
 from tests.support.malformed import Beats, random_video
@@ -62,7 +62,7 @@ def run(
     model = VideoModel(parameters)
     expected = [packet for beats, video in parts for packet in model.feed(beats, video)]
     starts = np.cumsum([0, *(len(beats) for beats, _ in parts)])
-    changes = [(int(k), levels(video, parameters)) for k, (_, video) in zip(starts, parts, strict=False)]
+    changes = [(int(k), video.fixed(parameters)) for k, (_, video) in zip(starts, parts, strict=False)]
     words = payloads([beat for beats, _ in parts for beat in beats], parameters)
     capture = runner.run(Stimulus({"video": words}, changes, stalls), quiet=2000)
     got = packets(capture)
