@@ -88,7 +88,7 @@ def response_map(
     response: Response = "shi_tomasi",
     pixel_bits: int = 8,
 ) -> Map:
-    """D, for instance (A + B) - sqrt((A - B)² + 4C²) (Eq. 2), defined from 3 pixels off the edge on."""
+    """D, such as (A + B) - sqrt((A - B)² + 4C²) (Eq. 2), defined from 3 pixels off the edge on."""
     gx, gy = gradients(image, derivative)
     if gradient == "absolute":
         gx, gy = np.abs(gx), np.abs(gy)

@@ -65,8 +65,9 @@ def option(default: T, help: str, *, low: int = 0, high: int = 0) -> T:
 
 
 def options(owner: type) -> dict[str, Option]:
-    """The options of a dataclass by name, in the order of its fields: those of its parents first.
-    Where only one value is allowed there is nothing to choose, and no option.
+    """The options of a dataclass by name, in the order of its fields, its parents' first.
+
+    A field that allows only one value is none of them: there is nothing to choose.
     """
     return {name: each for name, each in _fields(owner).items() if len(each.choices) != 1}
 

@@ -105,7 +105,7 @@ class Parameters:
         return replace(self, **{"algorithm": replace(self.algorithm, **algorithm), **own})
 
     def as_dict(self) -> dict[str, Any]:
-        """All that can be chosen by name, its algorithm's options among its own fields."""
+        """All options by name, those of the algorithm among its own."""
         own = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "algorithm"}
         size = {name: own.pop(name) for name in ("pixel_bits", "max_width", "max_height")}
         return {**size, **{name: getattr(self.algorithm, name) for name in options(Algorithm)}, **own}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -26,9 +27,10 @@ def gradients(image: Image, derivative: Derivative = "central") -> tuple[IntArra
     (..., height, width) pixels in, two (..., height-2, width-2) int16 arrays out: the outermost
     pixels have no gradient.
     """
-    pixels = image.astype(np.int16)
-    if derivative == "sobel":
-        return _sobel(pixels)
+    return _DERIVATIVES[derivative](image.astype(np.int16))
+
+
+def _central(pixels: IntArray) -> tuple[IntArray, IntArray]:
     gx = pixels[..., 1:-1, :-2] - pixels[..., 1:-1, 2:]
     gy = pixels[..., :-2, 1:-1] - pixels[..., 2:, 1:-1]
     return gx, gy
@@ -42,6 +44,12 @@ def _sobel(pixels: IntArray) -> tuple[IntArray, IntArray]:
 
 def _quarter(sums: IntArray) -> IntArray:
     return (sums + 1 + (sums >= 0)) >> 2
+
+
+_DERIVATIVES: dict[Derivative, Callable[[IntArray], tuple[IntArray, IntArray]]] = {
+    "central": _central,
+    "sobel": _sobel,
+}
 
 
 def products(gx: IntArray, gy: IntArray, gradient: Gradient) -> tuple[IntArray, IntArray, IntArray]:

@@ -1,4 +1,4 @@
-"""Corner response: which function it is, ``Algorithm.response`` says."""
+"""Corner response (Eq. 2), by the response function that ``Algorithm.response`` names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Response functions, each in a file with the name that ``Algorithm.response`` has for it."""
+"""Response functions: each is a file, whose name is its name in ``Algorithm.response``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Tensor = NDArray[Any]
 
 
 class ResponseFunction(Protocol):
-    """What such a file has."""
+    """What the file of a response function defines."""
 
     @staticmethod
     def response(a: Tensor, b: Tensor, c: Tensor, pixel_bits: int) -> Tensor:
@@ -35,5 +35,5 @@ class ResponseFunction(Protocol):
 
 
 def response_function(name: str) -> ResponseFunction:
-    """The one that ``Algorithm.response`` calls so."""
+    """The response function of that name."""
     return cast(ResponseFunction, import_module(f"golden.responses.{name}"))
