@@ -17,12 +17,14 @@ from cornerstream.options import (
     GIVEN_PATH,
     build_from,
     detector_options,
+    device_option,
     name_option,
     output_option,
     pixel_bits_option,
 )
 from cornerstream.tools import running_tools
-from flow.quartus.project import DEVICE, MANIFEST, project_files
+from flow.device import Device
+from flow.quartus.project import MANIFEST, project_files
 from flow.quartus.summaries import QuartusReport, ReportError, read_report
 
 
@@ -43,6 +45,7 @@ def quartus() -> None:
 @detector_options
 @pixel_bits_option
 @name_option
+@device_option("quartus")
 @click.option(
     "--clock",
     type=float,
@@ -52,7 +55,7 @@ def quartus() -> None:
     help="Clock frequency that Quartus is asked to reach.",
 )
 @click.option("--force", is_flag=True, help="Write into a folder that holds other files, too.")
-def export(output: Path, clock: float, name: str, force: bool, **options: Any) -> None:
+def export(output: Path, clock: float, name: str, device: Device, force: bool, **options: Any) -> None:
     """Write the core as a Quartus project: Verilog, settings, constraints, and a script that
     compiles it.
 
@@ -61,16 +64,17 @@ def export(output: Path, clock: float, name: str, force: bool, **options: Any) -
     \b
     Examples:
       cornerstream quartus export
+      cornerstream quartus export --device EP4CE115F29C7
       cornerstream quartus export -o q720 --profile robust --max-width 1280 --max-height 720 --clock 150
       cd build/quartus && quartus_sh -t compile.tcl
     """
     parameters = build_from(options)
     old = earlier_files(output, MANIFEST, "export", force=force)
     with console.activity("Generating Verilog"), running_tools(), bad_input():
-        files = project_files(parameters, clock_mhz=clock, name=name)
+        files = project_files(parameters, device, clock_mhz=clock, name=name)
     write_folder(output, files, old)
     console.say(
-        f"Written: {output}, {len(files)} files: {DEVICE}, up to {parameters.max_width}x{parameters.max_height} "
+        f"Written: {output}, {len(files)} files: {device.part}, up to {parameters.max_width}x{parameters.max_height} "
         f"pixels, {clock:g} MHz. Next, in that folder: quartus_sh -t compile.tcl"
     )
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+from flow.devices import DEFAULT_DEVICE, DEVICES
 from flow.verilog import MODULE
 from golden.algorithm import DEFAULT_PROFILE, PROFILES
 from hdl.build import Build
 
 _NO_OPTION = frozenset({"sqrt_bits_per_stage", "queue_depth"})
-"""Of ``Build``, what no option sets."""
-_USUAL: dict[str, Any] = {"clock": 100.0, "name": MODULE}
+"""Fields of ``Build`` that no option sets."""
+_USUAL: dict[str, Any] = {"device": DEVICES[DEFAULT_DEVICE].part, "clock": 100.0, "name": MODULE}
 
 
 def _options(build: Build) -> dict[str, Any]:
@@ -18,13 +19,12 @@ def _options(build: Build) -> dict[str, Any]:
     return {field: value for field, value in build.as_dict().items() if field not in _NO_OPTION}
 
 
-def command(verb: str, parameters: Build, **more: Any) -> str:
+def command(verb: str, build: Build, **more: Any) -> str:
     """``cornerstream`` with the fewest options that build the same once more.
 
     ``more`` are further options, which are left out where they are as usual.
     """
-
-    wanted = _options(parameters)
+    wanted = _options(build)
 
     def changes(profile: str) -> dict[str, Any]:
         usual = _options(Build.profile(profile))

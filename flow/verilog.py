@@ -69,7 +69,7 @@ class VerilogError(RuntimeError):
     """Yosys refused the design; the message is Yosys's."""
 
 
-def emit_verilog(parameters: Build, interface: Interface = "stream", name: str = MODULE) -> str:
+def emit_verilog(build: Build, interface: Interface = "stream", name: str = MODULE) -> str:
     """Verilog-2001 of one core: top module ``name``, clock ``clk``, synchronous reset ``rst``.
 
     All other modules begin with ``name__``. No name of a core has two underscores in a row, so that
@@ -77,12 +77,12 @@ def emit_verilog(parameters: Build, interface: Interface = "stream", name: str =
     ``ValueError`` where there is no such core, or it cannot be called so.
     """
     check_name(name)
-    return core_verilog(make_core(parameters, interface), parameters, name)
+    return core_verilog(make_core(build, interface), build, name)
 
 
-def core_verilog(core: wiring.Component, parameters: Build, name: str = MODULE) -> str:
-    """As :func:`emit_verilog`, of a core that exists and was built with these parameters."""
-    lines = [f"  {field} = {value}" for field, value in parameters.as_dict().items()]
+def core_verilog(core: wiring.Component, build: Build, name: str = MODULE) -> str:
+    """As :func:`emit_verilog`, of a core that exists and was built so."""
+    lines = [f"  {field} = {value}" for field, value in build.as_dict().items()]
     return convert(core, name, ["Parameters:", *lines])
 
 

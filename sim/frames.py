@@ -105,27 +105,27 @@ def describe_record(word: int | None) -> str:
     return f"({corners.x[0]:.4f}, {corners.y[0]:.4f}) D={corners.response[0]}{names}"
 
 
-def _levels(frame: Frame, parameters: Build) -> dict[str, int]:
+def _levels(frame: Frame, build: Build) -> dict[str, int]:
     image, settings = frame
-    return {"width": image.shape[1], "height": image.shape[0], **settings.fixed(parameters)}
+    return {"width": image.shape[1], "height": image.shape[0], **settings.fixed(build)}
 
 
-def frame_stimulus(frames: Sequence[Frame], parameters: Build, stalls: Stalls) -> Stimulus:
+def frame_stimulus(frames: Sequence[Frame], build: Build, stalls: Stalls) -> Stimulus:
     """Pixels of all frames back to back; each frame's settings arrive with its first pixel.
 
     Raises
     ------
     ValueError, TypeError
-        No frame, an image or settings that do not fit ``parameters``.
+        No frame, an image or settings that do not fit ``build``.
     """
     if not frames:
         raise ValueError("there are 0 frames; allowed: from 1")
     for image, settings in frames:
-        check_image(image, parameters)
-        settings.check(parameters)
+        check_image(image, build)
+        settings.check(build)
     starts = np.cumsum([0] + [image.size for image, _ in frames])
     pixels = np.concatenate([np.ravel(image) for image, _ in frames]).astype(np.uint64)
-    levels = [(int(start), _levels(frame, parameters)) for start, frame in zip(starts, frames, strict=False)]
+    levels = [(int(start), _levels(frame, build)) for start, frame in zip(starts, frames, strict=False)]
     return Stimulus({"i": pixels}, levels, stalls)
 
 
@@ -155,7 +155,7 @@ def split_frames(capture: Capture, sizes: Sequence[int]) -> SimulationResult:
 def simulate_frames(
     engine: Engine,
     frames: Sequence[Frame],
-    parameters: Build,
+    build: Build,
     *,
     stalls: Stalls | None = None,
     progress: Progress | None = None,
@@ -168,10 +168,10 @@ def simulate_frames(
     Parameters
     ----------
     engine
-        Made from a ``hdl.detector.Detector`` with the same ``parameters``.
+        Made from a ``hdl.detector.Detector`` with the same ``build``.
     frames
         Images, shape (height, width), and their settings.
-    parameters
+    build
         What the detector was built with.
     stalls, progress, vcd, vcd_clocks, max_clocks
         See :meth:`sim.engine.Engine.run`; progress counts pixels.
@@ -181,9 +181,9 @@ def simulate_frames(
     sim.engine.SimulationHang, sim.engine.StreamError
         See :meth:`sim.engine.Engine.run`.
     ValueError, TypeError
-        No frame, an image or settings that do not fit ``parameters``.
+        No frame, an image or settings that do not fit ``build``.
     """
-    stimulus = frame_stimulus(frames, parameters, stalls or Stalls())
+    stimulus = frame_stimulus(frames, build, stalls or Stalls())
     quiet = _DRAIN_ROWS * max(image.shape[1] for image, _ in frames) + _DRAIN_CLOCKS
     capture = engine.run(stimulus, progress, vcd, vcd_clocks=vcd_clocks, quiet=quiet, max_clocks=max_clocks)
     return split_frames(capture, [image.size for image, _ in frames])

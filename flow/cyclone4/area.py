@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, fields
 
+from flow.cyclone4.device import M9K
+
 
 @dataclass(frozen=True)
 class Area:
@@ -53,6 +55,11 @@ class Area:
         unrelated table.
         """
         return self.lut4 + self.ff - self.packed_pairs
+
+    @property
+    def used(self) -> dict[str, int]:
+        """The estimate, by the names of :attr:`flow.device.Device.capacity`."""
+        return {"LE": self.le_packed, M9K.name: self.m9k, "9x9 mult.": self.multipliers}
 
     def __add__(self, other: Area) -> Area:
         return Area(*(getattr(self, field.name) + getattr(other, field.name) for field in fields(self)))

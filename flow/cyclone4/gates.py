@@ -20,7 +20,7 @@ def gate_level_verilog(synthesis: Synthesis) -> str:
 
 
 def gate_level_engine(
-    parameters: Build,
+    build: Build,
     *,
     notify: Callable[[str], None] | None = None,
     cache: str | Path | None = None,
@@ -35,10 +35,10 @@ def gate_level_engine(
     """
     if notify is not None:
         notify("mapping the design to Cyclone IV")
-    verilog = gate_level_verilog(synthesize(parameters))
+    verilog = gate_level_verilog(synthesize(build))
     with TemporaryDirectory(prefix="cornerstream-") as folder:
         path = Path(folder) / "gates.v"
         path.write_text(verilog, encoding="utf-8")
-        engine = make_engine("verilog", Detector(parameters), verilog=path, notify=notify, cache=cache)
+        engine = make_engine("verilog", Detector(build), verilog=path, notify=notify, cache=cache)
     engine.name = engine.name.replace("verilog", "gates", 1)
     return engine

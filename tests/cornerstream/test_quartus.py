@@ -15,6 +15,7 @@ from click.testing import Result
 
 from cornerstream.cli import main
 from flow import quartus
+from flow.devices import DEFAULT_DEVICE, DEVICES
 from hdl.build import Build
 from tests.support.runner import CliRunner
 
@@ -47,7 +48,9 @@ def contents(folder: Path) -> dict[str, str]:
 def test_export_writes_the_project() -> None:
     result = run("quartus", "export", "-o", "deep/project", *SIZE, "--profile", "robust", "--clock", "150")
     parameters = Build.profile("robust", max_width=40, max_height=32)
-    assert contents(Path("deep/project")) == project_files(parameters, clock_mhz=150.0, name="cornerstream")
+    assert contents(Path("deep/project")) == project_files(
+        parameters, DEVICES[DEFAULT_DEVICE], clock_mhz=150.0, name="cornerstream"
+    )
     assert "set period 6.6667\n" in Path("deep/project/cornerstream.sdc").read_text()
     assert result.stdout == "" and "Written: deep/project, " in result.stderr
     assert "quartus_sh -t compile.tcl" in Path("deep/project/README.md").read_text()
@@ -77,6 +80,17 @@ def test_a_named_project_and_the_command_that_writes_it() -> None:
     assert not Path("project/corners_b.qpf").exists() and Path("project/cornerstream.qpf").is_file()
 
 
+def test_another_device_and_one_that_quartus_does_not_know() -> None:
+    result = run("quartus", "export", "-o", "project", *SIZE, "--device", "ep4ce115f29c7")
+    assert " files: EP4CE115F29C7, " in result.stderr
+    settings = Path("project/cornerstream.qsf").read_text()
+    assert "-name DEVICE EP4CE115F29C7\n" in settings and '-name FAMILY "Cyclone IV E"\n' in settings
+    for device in ("lfe5u-45f", "EP4CE115F29"):
+        refused = run("quartus", "export", "-o", "other", *SIZE, "--device", device, code=2).stderr
+        assert f"device is '{device}'; allowed: ep4ce6, " in refused and "lfe5u-85f" not in refused
+    assert not Path("other").exists()
+
+
 def test_another_export_replaces_the_first_and_keeps_what_quartus_made() -> None:
     run("quartus", "export", "-o", "project", *SIZE)
     Path("project/output_files").mkdir()
@@ -93,6 +107,7 @@ def test_another_export_replaces_the_first_and_keeps_what_quartus_made() -> None
     assert found.pop("rtl/mine.v") and Path("outside.v").exists()
     assert found == project_files(
         Build(buffering="banked", max_width=40, max_height=32),
+        DEVICES[DEFAULT_DEVICE],
         clock_mhz=100.0,
         name="cornerstream",
     )

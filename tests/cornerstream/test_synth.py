@@ -16,7 +16,9 @@ import cornerstream.synth
 from cornerstream.cli import main
 from flow.cyclone4.area import Area, Block
 from flow.cyclone4.synthesis import Synthesis
-from flow.ecp5.timing import Step, given_name, read_report
+from flow.device import Device
+from flow.devices import DEVICES
+from flow.ecp5.timing import Step, Timing, given_name, read_report
 from flow.yowasp import ToolError
 from golden import Parameters
 from hdl.edges import Interface
@@ -118,6 +120,51 @@ def test_table() -> None:
 
 
 @pytest.mark.usefixtures("quick")
+def test_what_a_device_holds_is_said_in_words_and_in_json() -> None:
+    said = run("--no-timing", "--device", "ep4ce22").stdout
+    assert "The core fits in EP4CE22F17C6 (Cyclone IV E): 1,023 of 22,320 LE (4.6 %), 1 of 66 M9K" in said
+    found = json.loads(run("--no-timing", "--json", "--device", "EP4CE115F29C7").stdout)
+    assert found["device"] == {"name": "ep4ce115", "part": "EP4CE115F29C7", "family": "Cyclone IV E"}
+    assert found["use"]["LE"] == {"used": 1023, "available": 114_480} and found["fits"] is True
+    assert found["use"]["M9K"] == {"used": 1, "available": 432}
+
+
+@pytest.mark.parametrize("more", [(), ("--json",)])
+def test_a_core_that_does_not_fit_ends_with_exit_code_1(
+    monkeypatch: pytest.MonkeyPatch, more: tuple[str, ...]
+) -> None:
+    def large(build: Parameters, interface: Interface) -> Synthesis:
+        return Synthesis(build, Block("top", Area(lut4=7000, ff=10, m9k=31)), "")
+
+    monkeypatch.setattr(cornerstream.synth, "synthesize", large)
+    result = run("--no-timing", "--device", "ep4ce6", *more, code=1)
+    assert result.stderr.endswith(
+        "Error: the core does not fit in EP4CE6E22C8 (Cyclone IV E): "
+        "7,010 of 6,272 LE (111.8 %), 31 of 30 M9K (103.3 %)\n"
+    )
+    assert json.loads(result.stdout)["fits"] is False if more else "does not fit in" in result.stdout
+    run("--no-timing", "--device", "ep4ce10", *more)
+
+
+def test_a_device_of_ecp5_is_placed_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    def placed(build: Parameters, device: Device, *, interface: Interface, seed: int) -> Timing:
+        path = (Step("block.count", "clk-to-q", 0.5),)
+        return Timing(123.5, path, device.name.upper(), "CABGA381", 6, seed, lut4=11, ff=12, ebr=57)
+
+    monkeypatch.setattr(cornerstream.synth, "place_and_route", placed)
+    result = run("--device", "lfe5u-25f", code=1)
+    assert "123.5 MHz on ECP5 (LFE5U-25F, CABGA381, -6, seed 1). Critical path:" in result.stdout
+    assert "stands in" not in result.stdout and "block.count" in result.stdout
+    assert "the core does not fit in LFE5U-25F-6BG381C (ECP5): 57 of 56 EBR" in result.stderr
+    found = json.loads(run("--device", "lfe5u-45f", "--json").stdout)
+    assert found["use"]["LUT4"] == {"used": 11, "available": 43_848}
+    assert "stands_in" not in found["timing"] and found["blocks"] == {}
+    for option in (["--no-timing"], ["--netlist", "netlist.v"], ["--plot", "area.png"]):
+        line = refused("--device", "lfe5u-45f", *option)
+        assert option[0] in line and "allowed: with a device of Cyclone IV" in line
+
+
+@pytest.mark.usefixtures("quick")
 @pytest.mark.parametrize("name", ["area.svg", "area.PDF"])
 def test_plots_of_all_kinds(folder: Path, name: str) -> None:
     run("--no-timing", "--plot", name)
@@ -140,6 +187,7 @@ def refused(*arguments: str, code: int = 2) -> str:
         (["--plot", "area.txt"], ["'area.txt'", "allowed", ".png, .svg, .pdf"]),
         (["--max-width", "7"], ["max_width is 7", "allowed"]),
         (["--seed", "0"], ["--seed"]),
+        (["--device", "arria"], ["device is 'arria'", "allowed: ep4ce6, ", "ep4cgx150, lfe5u-25f, "]),
         (["--fit", "printed"], ["fit is 'printed'", "allowed"]),
     ],
 )
@@ -212,7 +260,7 @@ def test_report_of_nextpnr() -> None:
             {"from": "posedge clk", "to": "posedge clk", "path": parts},
         ],
     }
-    timing = read_report(report, speed=6, seed=1)
+    timing = read_report(report, DEVICES["lfe5u-45f"], seed=1)
     assert (timing.fmax_mhz, timing.lut4, timing.ff, timing.ebr) == (123.5, 11, 12, 3)
     assert timing.critical_path == (
         Step("block.count", "clk-to-q", 0.5),
@@ -222,7 +270,7 @@ def test_report_of_nextpnr() -> None:
     )
     assert str(timing).startswith("123.5 MHz on ECP5")
     with pytest.raises(ToolError, match="2 clocks"):
-        read_report({**report, "fmax": {"a": {}, "b": {}}}, speed=6, seed=1)
+        read_report({**report, "fmax": {"a": {}, "b": {}}}, DEVICES["lfe5u-45f"], seed=1)
 
 
 @pytest.mark.parametrize(

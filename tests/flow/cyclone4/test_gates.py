@@ -35,7 +35,7 @@ def test_netlist_is_bit_exact_on_a_photograph(
     # optimized, so many gates take a minute to compile, and these frames a second
     monkeypatch.setattr(compiler, "_FLAGS", (*compiler._FLAGS, "-O0"))
     synthesis = synthesized(buffering)
-    parameters = synthesis.parameters
+    parameters = synthesis.build
     path = tmp_path_factory.mktemp("gates") / "gates.v"
     path.write_text(gate_level_verilog(synthesis))
     engine = make_engine("verilog", Detector(parameters), verilog=path, cache=path.parent)
