@@ -32,7 +32,9 @@ _LEFT_OUT = [name for name, section in SECTIONS.items() if section.not_quick]
 
 @click.command("eval", short_help="Accuracy, repeatability, robustness.")
 @click.option(
-    "--quick", is_flag=True, help="A tenth of it, to see that all works; figures are not to be quoted."
+    "--quick",
+    is_flag=True,
+    help="Measure a tenth, to see that everything works; the figures are not to be quoted.",
 )
 @click.option(
     "--json", "as_json", is_flag=True, help="Print everything as one JSON object instead of tables."
@@ -152,7 +154,7 @@ def evaluate(
 
 
 def _sections(*, quick: bool) -> tuple[str, ...]:
-    """What is measured unless the user says so; what ``quick`` leaves out is said in a line each."""
+    """All sections, or with ``quick`` those that have a quick form; each other one gets a line."""
     if not quick:
         return tuple(SECTIONS)
     for name in _LEFT_OUT:

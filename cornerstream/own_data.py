@@ -53,7 +53,7 @@ def _files(folder: Path, what: str) -> list[Path]:
 
 
 def _pixels(path: Path, said: set[str]) -> Image:
-    """Grey of any size; what was done to get it is said once of all the images that share ``said``."""
+    """Grey pixels; a remark on the conversion is printed once for images that share ``said``."""
     photograph = load(path, _ANY_SIZE, options=False)
     for remark in photograph.remarks:
         if remark not in said:

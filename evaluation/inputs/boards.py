@@ -30,9 +30,9 @@ class Board:
     Attributes
     ----------
     truth
-        (n, 2) inner corners, x and y; None of a photograph, where nobody knows.
+        (n, 2) inner corners, x and y; None for a photograph, whose corners are not known.
     size
-        Inner corners along both sides, None if they have to be guessed.
+        Inner corners along both sides; None if they must be guessed.
     """
 
     name: str
@@ -154,7 +154,7 @@ COMMON_SIZES = (
     (7, 7),
     (6, 4),
 )
-"""Inner corners of boards that people print; tried in turn where nobody says."""
+"""Inner corners of boards that people print; tried in turn where the size is not given."""
 
 
 def reference_corners(board: Board) -> NDArray[np.float64] | None:

@@ -92,7 +92,7 @@ def left_of(u: Samples, v: Samples, angle: float) -> Samples:
 
 
 def wedge(u: Samples, v: Samples, axis: float, opening: float) -> Samples:
-    """1 between two rays from the origin, 0 elsewhere; angles in radians, the opening at most pi."""
+    """1 between two rays from the origin, else 0; angles in radians, the opening at most pi."""
     return left_of(u, v, axis - opening / 2) * (1 - left_of(u, v, axis + opening / 2))
 
 
@@ -189,12 +189,12 @@ def paper_scene(
     Parameters
     ----------
     degrees
-        Between the horizontal edge and the other one, anticlockwise as one sees it.
+        Angle between the horizontal edge and the other one, anticlockwise as one sees it.
     solid
         The area between two edges, or the two lines only. "0°" is then the end of a line.
     reading
-        Of the lines' degrees: ``"opening"``, as for the solid ones, or ``"rotation"`` of a right
-        angle. The paper's figure is not public.
+        What the lines' degrees mean: ``"opening"``, as for the solid ones, or ``"rotation"`` of a
+        right angle. The paper's figure is not public.
     """
     u, v = plane(*size, *corner)
     turn = np.deg2rad(degrees)

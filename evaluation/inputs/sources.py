@@ -177,7 +177,7 @@ def _frames(path: Path) -> list[Image]:
 
 
 MOST_FRAMES = 1000
-"""Of a video; the rest is not read."""
+"""Frames of a video that are read; the rest is not."""
 
 
 def shrink(image: Image, longest: int = LONGEST_SIDE) -> Image:

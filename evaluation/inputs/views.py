@@ -20,8 +20,7 @@ SEED = 2017
 SAMPLES = 4
 """A pixel is the mean of 4x4 samples."""
 SCALE = 0.7
-"""Pixels of the first view per pixel of the photograph: views are to be as sharp as a photograph
-is.
+"""Pixels of the first view per pixel of the photograph, so that views are as sharp as a photograph.
 """
 SENSOR_NOISE = 1.5
 """Standard deviation of the noise that every view has, in grey levels."""
@@ -82,7 +81,7 @@ def render(photograph: Image, to_view: Matrix, size: tuple[int, int], view: View
     size
         Width and height of the view.
     seed
-        Of its noise.
+        Seed of its noise.
     """
     cv2 = opencv()
     width, height = size

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Values = NDArray[np.float64]
 Statistic = Callable[[Values], Values]
-"""Of values (..., n, columns), one for each of the leading axes: (...). NaN where there is none."""
+"""Maps values (..., n, columns) to one figure for each of the leading axes: (...); NaN for none."""
 
 RESAMPLES = 1000
 LEVEL = 0.95
@@ -32,7 +32,7 @@ def interval(
         For each image its values, (n,) or (n, columns), n from 0 on: corners of one image are not
         independent, so an image comes whole or not at all.
     statistic
-        Of the values of all images.
+        Computed from the values of all images.
     resamples
         By default :data:`RESAMPLES`.
 
@@ -85,7 +85,7 @@ def plain(value: float) -> float | None:
 
 
 def mean(values: Values) -> Values:
-    """Of the first column, as the two below."""
+    """Mean of the first column; the two below use this column, too."""
     return np.asarray(values[..., 0].mean(axis=-1))
 
 

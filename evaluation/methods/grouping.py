@@ -32,7 +32,7 @@ def figures_of_parts(
     summary: Callable[[list[Pair], list[T]], Figures],
     gain: Callable[[list[Pair], list[T], list[T]], Figures],
 ) -> Figures:
-    """Of each detector and each part of the pairs a summary, and the gain over no filter and over
+    """For each detector and each part of the pairs a summary, and the gain over no filter and over
     ranking by D.
 
     ``found`` has one score for each pair, of whatever kind ``summary`` and ``gain`` take.

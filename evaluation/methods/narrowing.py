@@ -42,16 +42,16 @@ Responses = Callable[[NDArray[np.uint8]], IntArray]
 
 KINDS: tuple[Kind, ...] = ("L", "saddle")
 EVERY = 7
-"""Of the wide set's scenes, one of so many: coprime to the number of noises and polarities, which
-alternate.
+"""One of so many scenes of the wide set is used. It is coprime to the number of noises and
+polarities, which alternate.
 """
 TENSOR_BITS = (16, 14, 12, 10)
 RESPONSE_CUTS = (0, 1, 2, 4)
 MANTISSAS = (8, 10, 11, 12, 13, 14)
 WITHIN = 4.0
-"""A corner this near to a rendered one is that one, in px."""
+"""A corner at most so many px from a rendered one is taken for that one."""
 WIDTH = 1200
-"""Of the line buffers, as in the paper's Table 1."""
+"""Pixels of the line buffers, as in the paper's Table 1."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,12 +76,15 @@ def word_lengths(parameters: Parameters, *, quick: bool = False, notify: Notify 
         Fewer points, photographs and scenes.
 
     Returns
-    ------- For ``"tensor"`` (A, B, C), ``"response"`` (D) and ``"mantissa"`` a list of points, each
-    with ``bits``, whether they are the ``default``, ``area`` of the blocks named in ``blocks``
-    (``le``, ``memory_bits``), and what accuracy is left. Of the first two ``same``: corners that
-    photographs have both with all bits and with these, out of those that either has, with the
-    default thresholds; and per kind the ``median`` distance to rendered corners in px. Of mantissas
-    ``error``: median, 95th and 99th percentile of the distance to the exact offset in px.
+    -------
+    dict
+        For ``"tensor"`` (A, B, C), ``"response"`` (D) and ``"mantissa"`` a list of points. Each has
+        ``bits``, whether they are the ``default``, ``area`` of the blocks named in ``blocks``
+        (``le``, ``memory_bits``), and what accuracy is left. The first two have ``same``: corners
+        that photographs have both with all bits and with these, out of those that either has, with
+        the default thresholds; and per kind the ``median`` distance to rendered corners in px.
+        Mantissas have ``error``: median, 95th and 99th percentile of the distance to the exact
+        offset in px.
 
     Raises
     ------
@@ -166,7 +169,7 @@ _D_BLOCKS = "response buffer, texture filter, centre rows, corner detection"
 
 
 def _d_area(parameters: Build) -> Figures:
-    """Of the blocks that look at windows of D."""
+    """Area of the blocks that look at windows of D."""
     windows = WindowStage(parameters)
     buffer = CircularBuffer(
         parameters.response_bits, WINDOW_SIZE, WIDTH, _built(parameters).buffering, registers=1
@@ -197,7 +200,7 @@ def _response(
 
 
 def _ratio(values: Values) -> Values:
-    """Of the sums of both columns."""
+    """Ratio of the sums of both columns."""
     part, whole = np.moveaxis(values.sum(axis=-2), -1, 0)
     return np.where(whole > 0, part / np.maximum(whole, 1), np.nan)
 

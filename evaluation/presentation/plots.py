@@ -143,7 +143,7 @@ def end_labels(axes: Axes, lines: dict[str, tuple[float, float]], gap: float) ->
 
 
 def _apart(heights: Sequence[float], gap: float) -> list[float]:
-    """Ascending heights moved apart: the mean of moving them up only and of moving them down only."""
+    """Ascending heights moved apart: the mean of moving them up only and of down only."""
     up, down = list(heights), list(heights)
     for index in range(1, len(heights)):
         up[index] = max(up[index], up[index - 1] + gap)

@@ -1,4 +1,4 @@
-"""The whole study of how good the corners are, as one object that holds nothing but what JSON can."""
+"""The whole study of how good the corners are, as one object that JSON can hold."""
 
 from __future__ import annotations
 

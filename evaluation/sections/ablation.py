@@ -45,11 +45,11 @@ def steps() -> list[Detector]:
 
 
 VIEWS = ("shift", "larger, brighter", "noisy")
-"""Of a photograph: enough to tell steps apart, and a minute's work less."""
+"""Views of a photograph that are used: enough to tell steps apart, and a minute less."""
 
 
 def chosen(pairs: list[Pair]) -> list[Pair]:
-    """Of rendered pairs, those of :data:`VIEWS`; all others."""
+    """All pairs but rendered ones whose view is not in :data:`VIEWS`."""
     rendered = {view.name for view in views.VIEWS}
     return [pair for pair in pairs if pair.name in VIEWS or pair.name not in rendered]
 

@@ -43,7 +43,7 @@ def rate(found: list[bool]) -> Figures:
 
 
 def kind_figures(outcome: Outcome, parameters: Parameters) -> Figures:
-    """All about one kind: the profile's own fit first, then each method, then each method by noise."""
+    """All about one kind: the profile's own fit, then each method, then each method by noise."""
     by_method = {name: figures(outcome.offsets(name)) for name in methods(parameters)}
     noises = np.array([scene.noise for scene in outcome.scenes])
     by_noise = {

@@ -30,7 +30,7 @@ Image = NDArray[np.uint8]
 
 WIDTH, HEIGHT = 320, 240
 FRAMES = 12
-"""Of each scene."""
+"""Frames of each scene."""
 NOISE = 2.0
 """Standard deviation of a pixel."""
 SEED = 0
@@ -136,8 +136,10 @@ def _follow(law: str, frames: list[Image], target: int, parameters: Parameters) 
 
 
 def _summary(counts: list[int], t1: list[int], target: int, starts: list[int]) -> Figures:
-    """Of frames that could have met it: neither black nor a scene's first, nor at the least T1 with
-    fewer.
+    """How near the counts are to the target, in frames that could have met it.
+
+    Black frames, the first of each scene, and frames with too few corners at the least T1 are left
+    out.
     """
     black = {
         first + k

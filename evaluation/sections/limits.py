@@ -99,7 +99,7 @@ def wander(blur: float, degrees: float, fit: Fit) -> float:
 
 
 def picture() -> Pictures.Image:
-    """Boards above, their D below, white the largest on any; marks where ``robust`` finds corners."""
+    """Boards above, their D below, white the largest of all; crosses are corners of ``robust``."""
     parameters = Parameters.profile("robust")
     side = _SHOWN * _SCALE
     drawn = Pictures.new("RGB", (len(SIDES) * (side + _GAP) - _GAP, 2 * side + _GAP), "white")

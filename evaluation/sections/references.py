@@ -24,25 +24,25 @@ from golden.formats import SMOOTHING_BITS
 Image = NDArray[np.uint8]
 
 PHOTOGRAPHS = ("camera", "coins", "brick", "grass", "gravel", "moon", "clock", "page")
-"""Of scikit-image."""
+"""Photographs that scikit-image ships."""
 HOT = (1, 4)
 DRAWS = 4
-"""Of hot pixels' places, for each photograph and number."""
+"""How often places of hot pixels are drawn, for each photograph and number."""
 SEED = 0
 SIGMA1 = 0.1
 RANKS = (0, 8, 16, 32, 64)
-"""0: the largest."""
+"""0 is the largest D."""
 SMOOTHINGS = tuple(range(1 << SMOOTHING_BITS))
 RANK = 32
-"""What is recommended, and what flickering light is tried with."""
+"""The rank that is recommended, and that is tried in flickering light."""
 GAINS = (1.0, 0.5)
-"""Of the light, from frame to frame."""
+"""Gain of the light, from frame to frame."""
 FRAMES = 24
 MARGIN = 20
 CONTRAST = 4
-"""Of what the photographs have a hot pixel is set against: a scene in poor light."""
+"""The photographs' contrast is divided by this, as in poor light, before pixels are made hot."""
 FLOOR = 64
-"""Low enough for that."""
+"""The least reference, low enough for such a contrast."""
 
 
 def with_hot_pixels(image: Image, count: int, random: np.random.Generator) -> Image:
@@ -54,7 +54,7 @@ def with_hot_pixels(image: Image, count: int, random: np.random.Generator) -> Im
 
 
 def _hot(parameters: Parameters, names: Sequence[str], draws: int) -> Figures:
-    """By rank and number of hot pixels: corners with them over corners without, median and least."""
+    """By rank and number of hot pixels: corners with them over corners without."""
     random = np.random.default_rng(SEED)
     shares: dict[int, dict[int, list[float]]] = {rank: {count: [] for count in HOT} for rank in RANKS}
     for name in names:
@@ -75,7 +75,7 @@ def _hot(parameters: Parameters, names: Sequence[str], draws: int) -> Figures:
 
 
 def _flicker(parameters: Parameters, frames: int) -> Figures:
-    """By what the reference is: corners in frames of full and of less light, when all has settled."""
+    """By kind of reference: corners in frames of full and of less light, in the steady state."""
     image = photograph("coins")
     scenes = [np.rint(image * gain).astype(np.uint8) for gain in GAINS]
     usual = Settings.default(parameters, sigma1=SIGMA1, floor=FLOOR)

@@ -1,4 +1,4 @@
-"""Repeatability: the share of corners that another view of the scene has again, within a tolerance."""
+"""Repeatability: the share of corners that another view of the scene has again."""
 
 from __future__ import annotations
 

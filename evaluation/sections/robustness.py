@@ -52,7 +52,7 @@ class Score(NamedTuple):
 
 
 def farthest(pair: Pair) -> float:
-    """Largest distance that any point of the first view moves, along x or y; 0 where nobody knows."""
+    """Largest distance that a point of the first view moves, along x or y; 0 if not known."""
     if pair.homography is None:
         return 0.0
     height, width = pair.first.shape
@@ -167,7 +167,7 @@ def measure(material: Material) -> Figures:
 
 
 def tables(found: Figures) -> dict[str, Table]:
-    """``table_6`` beside the paper's if both profiles were measured, then each mode under its name."""
+    """``table_6`` beside the paper's if ``paper`` was measured, then each mode under its name."""
     made = {"table_6": _table_6(found["modes"], found["videos"])} if _has_paper(found) else {}
     return made | mode_tables(found["modes"], "rho")
 

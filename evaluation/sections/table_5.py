@@ -71,7 +71,7 @@ def table_5(profiles: dict[str, Parameters], *, quick: bool = False) -> Figures:
 
 
 def _rows(outcome: Outcome, parameters: Parameters) -> Iterator[Figures]:
-    """Positions as the paper prints them, the first pixel being 1; None where no corner was found."""
+    """Positions as the paper prints them, from 1 on; None where no corner was found."""
     names = methods(parameters)
     offsets = {name: iter(outcome.offsets(name)) for name in names}
     for scene, found, accepted in zip(paper_scenes(), outcome.found, outcome.accepted, strict=True):

@@ -98,7 +98,7 @@ def test_page_has_all_rows_of_the_paper() -> None:
     for line in paper_tables.TABLE_2:
         cells = row(page, "Table 2", line.method)
         rams = "–" if line.block_rams is None else str(line.block_rams)
-        assert cells[1:4] == [f"{line.logic_elements:,}", rams, line.approach]
+        assert [cells[1], *cells[4:]] == [line.approach, f"{line.logic_elements:,}", rams]
     for speed in paper_tables.TABLE_3:
         cells = row(page, "Table 3", f"{speed.width}×{speed.height}")
         assert cells[2:4] == [f"{speed.frames_per_second:,}", f"{speed.pixels_per_second:,}"]
@@ -109,10 +109,9 @@ def test_page_has_all_rows_of_the_paper() -> None:
             str(speed.frames_per_second),
             f"{speed.pixels_per_second:,}",
         ]
-    assert row(page, "Table 2", "AMD Vitis Vision")[1:4] == [
-        "5,695 LUT6, 5,455 FF",
-        "45 of 18 Kbit",
-        "Harris, 10 DSPs",
+    assert row(page, "Table 2", "AMD Vitis Vision")[1:] == [
+        *("Harris, 10 DSPs", "no", "no"),
+        *("5,695 LUT6, 5,455 FF", "45 of 18 Kbit"),
     ]
 
 
@@ -123,7 +122,7 @@ def test_page_has_our_figures() -> None:
     assert row(page, "Table 1", "Total pins")[2:] == ["187"] * variants
     assert row(page, "Table 1", "Total memory bits")[2:] == ["262,146 (4 %)"] * variants
     assert row(page, "Table 1", "Embedded multiplier")[2:] == ["3"] * variants
-    assert row(page, "Table 2", "cornerstream, `paper`, `lean`")[1:3] == ["5,205", "37"]
+    assert row(page, "Table 2", "cornerstream, `paper`, `lean`")[4:] == ["5,205", "37"]
     # 100 MHz over 40,007 clocks
     assert row(page, "Table 3", "200×200")[4:] == ["40,007", "2,499.6", "99,982,503"]
     assert row(page, "Table 4", "cornerstream, `robust`, `lean`, 100 MHz")[1:3] == ["1920×1080", "48.2"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import sys
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -49,7 +50,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(speed, "FULL_HD", (16, 20))
     monkeypatch.setattr(speed, "SMALL", (15, 15))
     monkeypatch.setattr(speed, "make_engine", in_amaranth)
-    monkeypatch.setattr(speed, "Build", lambda: SMALLEST)
+    monkeypatch.setattr(speed, "Build", SimpleNamespace(profile=lambda name: SMALLEST))
 
 
 def test_everything_as_json_and_as_tables(small: None) -> None:

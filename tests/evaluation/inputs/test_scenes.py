@@ -26,8 +26,8 @@ from evaluation.inputs.scenes import (
 )
 
 POSITION_ERROR = {"L": 0.02, "saddle": 0.02, "T": 0.05, "X": 0.05}
-"""Of the positions below, in pixels: grey levels are whole numbers, and some edges have half the
-contrast.
+"""Pixels by which the positions below may be wrong: grey levels are whole numbers, and some edges
+have half the contrast.
 """
 
 

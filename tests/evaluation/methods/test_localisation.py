@@ -42,7 +42,7 @@ def test_a_mark_where_no_corner_can_be_changes_nothing(profile: str, camera: NDA
 
 
 def test_whole_pixels_are_local_maxima(camera: NDArray[np.uint8]) -> None:
-    """By a plain search: the largest of nine, in raster order, half a pixel from the fit at most."""
+    """A plain search: the largest of nine, in raster order, at most half a pixel from the fit."""
     found = place(camera, Parameters.profile("paper"), SETTINGS)
     pixels = found.positions[INTEGER]
     assert np.array_equal(pixels, np.rint(pixels))

@@ -84,7 +84,7 @@ def test_agrees_with_template_matching(grass: NDArray[np.uint8]) -> None:
 
 
 def test_return_error(grass: NDArray[np.uint8]) -> None:
-    """Of two places that look alike only one is another's partner."""
+    """Only one of two places that look alike is another's partner."""
     first = moved(grass, 0, 0).copy()
     first[40:60, 60:80] = first[40:60, 40:60] // 2 + 60 + np.arange(20) % 3
     second = moved(grass, 0, 0)

@@ -23,7 +23,7 @@ from tests.support import profiles
 
 DOCS = Path(__file__).parents[3] / "docs" / "results"
 MOST_BYTES = 700_000
-"""Of the pictures together."""
+"""Size of all pictures together."""
 
 
 @cache

@@ -26,6 +26,6 @@ def test_quick_study_finds_what_the_page_says() -> None:
     for kind in KINDS:
         assert accuracy["robust"][kind]["median"] < accuracy["paper"][kind]["median"]
         assert accuracy["robust"][kind]["detected"]["value"] == 1
-    equal = found["repeatability"]["modes"]["equal numbers"]
+    equal = found["repeatability"]["rendered"]["modes"]["equal numbers"]
     means = {name: equal[name]["all"]["repeatability"]["value"] for name in ("paper", PLAIN, "robust")}
     assert means["paper"] < means[PLAIN] < means["robust"]

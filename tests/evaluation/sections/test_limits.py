@@ -20,7 +20,7 @@ from tests.support.photographs import PHOTOGRAPHS, photograph
 PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "limits.md").read_text(encoding="utf-8")
 TEXT = " ".join(PAGE.split())
 ROWS = {line.split(" | ")[0].strip("| "): line for line in PAGE.splitlines() if re.match(r"\| \d", line)}
-"""Of both tables, by their first cells."""
+"""Rows of both tables, by their first cells."""
 
 
 def cells(first: str) -> list[float]:
