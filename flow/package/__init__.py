@@ -1,4 +1,4 @@
-"""The package: all that makes the core usable in other people's designs, tools and programs."""
+"""The package: all that makes the core usable in other designs, tools and programs."""
 
 from flow.package.project import MANIFEST, PackageInterface, package_files, registers_page, software_files
 from flow.package.registers import driver_map

@@ -1,5 +1,4 @@
-"""Registers of the core by name, over anything that reads and writes words; needs nothing but
-Python.
+"""Registers of the core by name, over anything that reads and writes words; it needs only Python.
 
     registers = Cornerstream(mmio.read, mmio.write)
     registers.set(width=640, height=480, enable=1)
@@ -25,8 +24,8 @@ from typing import NamedTuple
 
 
 class Field(NamedTuple):
-    """Some bits of a register, from ``low`` up. A command acts when 1 is written to it, and 0 does
-    nothing.
+    """Some bits of a register, from ``low`` up. A command acts when 1 is written to it; 0 has no
+    effect.
     """
 
     low: int
@@ -39,8 +38,8 @@ class Field(NamedTuple):
 
 
 class Register(NamedTuple):
-    """A word at a byte address: read only, read and write, or write one to clear: ``ro``, ``rw``,
-    ``w1c``.
+    """A word at a byte address. Access is ``ro``, ``rw`` or ``w1c``: read only, read and write, or
+    write one to clear.
     """
 
     address: int
@@ -54,13 +53,15 @@ class Register(NamedTuple):
 
 
 def _whole(value: object) -> int:
-    """The value if it is a whole number, NumPy's among them; else one that is allowed nowhere."""
+    """The value if it is a whole number, also one of NumPy; else -1, which is not allowed
+    anywhere.
+    """
     return index(value) if hasattr(value, "__index__") else -1
 
 
 class Map:
-    """What there is, and how fields lie in words; every mistake is a ``ValueError`` that says what
-    is allowed.
+    """The registers, and the places of their fields in words. Every mistake is a ``ValueError``
+    that says what is allowed.
     """
 
     def __init__(self, registers: Mapping[str, Register]) -> None:
@@ -73,7 +74,7 @@ class Map:
         return self.registers[name]
 
     def address(self, name: str) -> int:
-        """Of a register, in bytes."""
+        """Address of a register, in bytes."""
         return self.register(name).address
 
     def home(self, field: str) -> str:
@@ -83,7 +84,7 @@ class Map:
         return self._homes[field]
 
     def encode(self, name: str, **values: int) -> int:
-        """A register's word out of values of its fields; the others are 0."""
+        """The word of a register from values of its fields; fields without a value are 0."""
         fields, word = self.register(name).fields, 0
         for field, value in values.items():
             if field not in fields:
@@ -95,7 +96,7 @@ class Map:
         return word
 
     def decode(self, name: str, word: int) -> dict[str, int]:
-        """Values of all fields of a register, out of its word."""
+        """Values of all fields of a register, from its word."""
         return {
             field: (word & place.mask) >> place.low for field, place in self.register(name).fields.items()
         }
@@ -107,7 +108,7 @@ class Registers:
     Parameters
     ----------
     registers
-        What there is.
+        The map of the core.
     read, write
         ``read(address)`` returns the word at a byte address, counted from the core's first;
         ``write(address, word)`` writes one.
@@ -141,11 +142,11 @@ class Registers:
         return self.fields(self.map.home(field))[field]
 
     def set(self, **values: int) -> None:
-        """Writes fields, of as many registers as need be; the other fields of these stay as they
-        are.
+        """Writes fields, also of several registers; the other fields of these registers keep their
+        values.
 
-        Each register is written once, in the order in which its first field is given; none is if a
-        value is wrong.
+        Each register is written once, in the order of the first fields; none is written if a value
+        is wrong.
         """
         words: dict[str, dict[str, int]] = {}
         for field, value in values.items():
@@ -158,7 +159,7 @@ class Registers:
             self.write(name, word | self._others(name, words[name]))
 
     def clear(self, *fields: str) -> None:
-        """Writes ones to fields that are cleared so; to all of them if none is named."""
+        """Clears fields by writing ones to them; all clearable fields if none is named."""
         found: dict[str, dict[str, int]] = {}
         clearable = [name for name, register in self.map.registers.items() if register.access == "w1c"]
         for field in fields or [field for name in clearable for field in self.map.register(name).fields]:
@@ -172,15 +173,13 @@ class Registers:
             self.write(name, self.map.encode(name, **values))
 
     def _others(self, name: str, given: Mapping[str, int]) -> int:
-        """What a register holds apart from these fields; it is not read where there is nothing else
-        in it.
-        """
-        kept = [
+        """The word of a register without these fields; it is read only where it has other ones."""
+        others = [
             field
             for key, field in self.map.register(name).fields.items()
             if key not in given and not field.command
         ]
-        return self.read(name) & sum(field.mask for field in kept) if kept else 0
+        return self.read(name) & sum(field.mask for field in others) if others else 0
 
     def _writable(self, *kinds: str) -> str:
         allowed = kinds or ("rw", "w1c")

@@ -27,7 +27,7 @@ class HwInterface:
     prefix
         Ports that begin so belong to it; the rest of a port's name is its role.
     roles
-        Roles of ports whose name does not tell them.
+        Roles of ports whose names do not contain them.
     properties
         As ``set_interface_property`` takes them.
     ports
@@ -62,10 +62,10 @@ _INTERRUPT = HwInterface(
     {"irq": "irq"},
     {"associatedAddressablePoint": "registers", **_SYNCHRONOUS},
 )
-# One symbol is a whole pixel or record: packets of several symbols to the beat would need a signal
-# that tells how many of the last beat's are empty.
+# One symbol is a whole pixel or record: with several symbols per beat a signal would have to say
+# how many of them are empty in the last beat.
 _PACKETS: dict[str, str | int] = {**_SYNCHRONOUS, "readyLatency": 0, "maxChannel": 0}
-# A read per clock, answered two clocks later, and nothing waits but in reset.
+# One read per clock, answered two clocks later; accesses wait in reset only.
 _MEMORY_MAPPED: dict[str, str | int] = {
     **_SYNCHRONOUS,
     "addressUnits": "WORDS",
@@ -100,8 +100,8 @@ _INTERFACES: dict[Interface, tuple[HwInterface, ...]] = {
 
 
 def hw_interfaces(interface: Interface, ports: Sequence[Port]) -> list[HwInterface]:
-    """The interfaces of a core with such edges, each with its ports; those without any are left
-    out.
+    """The interfaces of a core with such edges, each with its ports; interfaces without ports are
+    left out.
 
     ``ValueError`` if a port belongs to none.
     """

@@ -1,6 +1,4 @@
-"""The folder that carries the core into other people's designs: Verilog, descriptions, drivers, an
-example.
-"""
+"""The folder that brings the core into other designs: Verilog, descriptions, drivers, example."""
 
 from __future__ import annotations
 
@@ -24,13 +22,13 @@ from hdl.build import Build
 from hdl.edges.avalon import VIDEO_PACKET
 
 PackageInterface = Literal["axi", "avalon"]
-"""Edges that other people's cores speak; the bare detector has neither registers nor a guard."""
+"""Edges with buses that other cores use; the bare detector has neither registers nor a guard."""
 
 MANIFEST = "cornerstream-package.json"
-"""By this file a folder is known as a package: what was built, and the files that belong to it."""
+"""This file marks a folder as a package: it says what was built, and which files belong to it."""
 REGISTERS_PAGE = "registers.md"
 EXAMPLE_WIDTH, EXAMPLE_HEIGHT = 64, 48
-"""Of the example's frames, where the core is built for as large ones."""
+"""Size of the frames of the example, where the core is built for such large ones."""
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _SOFTWARE = {"software/{}.h": "cornerstream.h", "software/{}_example.c": "example.c"}
@@ -45,21 +43,21 @@ _RENDERED = {
 }
 
 
-def package_files(parameters: Build, interface: PackageInterface, name: str = MODULE) -> dict[str, str]:
-    """All files of the package, by path relative to its folder; the core, its files and macros are
-    called ``name``.
+def package_files(build: Build, interface: PackageInterface, name: str = MODULE) -> dict[str, str]:
+    """All files of the package, by path relative to its folder. The names of the core, of its files
+    and of all in them begin with ``name``.
 
     Raises
     ------
     ValueError
-        There is no such core, or it cannot be called so.
+        There is no such core, or the name is not allowed.
     flow.verilog.VerilogError
         Yosys refused the design.
     """
-    verilog = emit_verilog(parameters, interface, name)
+    verilog = emit_verilog(build, interface, name)
     ports = ports_of(split_modules(verilog)[1][name])
-    known = _facts(parameters, name) | {
-        "command": command("package", parameters, interface=interface, name=name),
+    known = _facts(build, name) | {
+        "command": command("package", build, interface=interface, name=name),
         "interface": interface,
         "interfaces": hw_interfaces(interface, ports),
         "ports": ports,
@@ -67,8 +65,8 @@ def package_files(parameters: Build, interface: PackageInterface, name: str = MO
     }
     files = {
         known["verilog"]: verilog,
-        f"{name}.svd": svd(parameters, name),
-        **software_files(parameters, name),
+        f"{name}.svd": svd(build, name),
+        **software_files(build, name),
         **{path.format(name): render(_TEMPLATES, template, known) for path, template in _RENDERED.items()},
     }
     manifest = {
@@ -76,39 +74,39 @@ def package_files(parameters: Build, interface: PackageInterface, name: str = MO
         "amaranth": version("amaranth"),
         "name": name,
         "interface": interface,
-        "parameters": parameters.as_dict(),
+        "parameters": build.as_dict(),
         "files": sorted([*files, MANIFEST]),
     }
     return files | {MANIFEST: json.dumps(manifest, indent=2) + "\n"}
 
 
-def registers_page(parameters: Build) -> str:
+def registers_page(build: Build) -> str:
     """The register map as a page, the same whatever the edges are."""
-    return render(_TEMPLATES, "registers.md", _facts(parameters, MODULE))
+    return render(_TEMPLATES, "registers.md", _facts(build, MODULE))
 
 
-def software_files(parameters: Build, name: str = MODULE) -> dict[str, str]:
+def software_files(build: Build, name: str = MODULE) -> dict[str, str]:
     """What programs need, by path in the package: the C header with an example and the Python
     driver. They are the same whatever the edges are.
     """
-    known = _facts(parameters, name)
+    known = _facts(build, name)
     c_files = {path.format(name): render(_TEMPLATES, template, known) for path, template in _SOFTWARE.items()}
-    return {f"software/{name}_registers.py": driver_source(parameters, name), **c_files}
+    return {f"software/{name}_registers.py": driver_source(build, name), **c_files}
 
 
-def _facts(parameters: Build, name: str) -> dict[str, Any]:
+def _facts(build: Build, name: str) -> dict[str, Any]:
     return {
-        **facts(parameters),
-        "defaults": Settings.default(parameters),
-        "example_height": min(EXAMPLE_HEIGHT, parameters.max_height),
-        "example_width": min(EXAMPLE_WIDTH, parameters.max_width),
+        **facts(build),
+        "defaults": Settings.default(build),
+        "example_height": min(EXAMPLE_HEIGHT, build.max_height),
+        "example_width": min(EXAMPLE_WIDTH, build.max_width),
         "margin": MARGIN,
         "manifest": MANIFEST,
         "module": name,
         "named": name != MODULE,
-        "reach": f"{FITS[parameters.algorithm.fit].limit / (1 << OFFSET_BITS):g}",
-        "p": parameters,
-        "parameters": parameters.as_dict(),
+        "reach": f"{FITS[build.algorithm.fit].limit / (1 << OFFSET_BITS):g}",
+        "p": build,
+        "parameters": build.as_dict(),
         "record": {
             "bits": record.RECORD_BITS,
             "coordinate_bits": COORDINATE_BITS,

@@ -1,4 +1,4 @@
-"""The register map as other tools want it: a Python driver, CMSIS-SVD, and facts for templates."""
+"""The register map for other tools: a Python driver, CMSIS-SVD, and facts for templates."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MAP = Map(
     {{
 {registers}    }}
 )
-"""Of the core that came with this file."""
+"""The registers of the core that came with this file."""
 
 
 class {class_name}(Registers):
@@ -35,12 +35,12 @@ class {class_name}(Registers):
 
 
 def is_command(register: Register, field: Field) -> bool:
-    """A field that acts when 1 is written to it, and in which 0 does nothing."""
+    """Whether a field acts when 1 is written to it; 0 has no effect there."""
     return register.name == "CONTROL" and field.low == RESET_BIT
 
 
-def driver_map(parameters: Build) -> driver.Map:
-    """The map of a core, as the driver takes it."""
+def driver_map(build: Build) -> driver.Map:
+    """The map of a core for the driver."""
     return driver.Map(
         {
             register.name: driver.Register(
@@ -52,7 +52,7 @@ def driver_map(parameters: Build) -> driver.Map:
                     for field in register.fields
                 },
             )
-            for register in register_map(parameters)
+            for register in register_map(build)
         }
     )
 
@@ -63,11 +63,11 @@ def driver_class(name: str) -> str:
     return f"{words}_" if iskeyword(words) else words
 
 
-def driver_source(parameters: Build, name: str = MODULE) -> str:
-    """The driver as a file that stands alone: its module as it is here, and the map of this core."""
+def driver_source(build: Build, name: str = MODULE) -> str:
+    """The driver as a file that stands alone: the module here, and the map of this core."""
     title, _, rest = files(driver.__package__).joinpath("driver.py").read_text("utf-8").partition("\n")
     lines = []
-    for key, register in driver_map(parameters).registers.items():
+    for key, register in driver_map(build).registers.items():
         head = f'{register.address:#04x}, "{register.access}", {register.reset:#010x}'
         lines.append(f'        "{key}": Register(\n            {head},\n            {{\n')
         for part, field in register.fields.items():
@@ -80,7 +80,7 @@ def driver_source(parameters: Build, name: str = MODULE) -> str:
     return title + "\n" + origin + rest.replace(f"{driver_class(MODULE)}(", f"{called}(") + tail
 
 
-def svd(parameters: Build, name: str = MODULE) -> str:
+def svd(build: Build, name: str = MODULE) -> str:
     """The map as CMSIS-SVD 1.3: a device of one peripheral, at address 0."""
     device = ElementTree.Element(
         "device",
@@ -114,7 +114,7 @@ def svd(parameters: Build, name: str = MODULE) -> str:
         usage="registers",
     )
     registers = ElementTree.SubElement(peripheral, "registers")
-    for register in register_map(parameters):
+    for register in register_map(build):
         _svd_register(ElementTree.SubElement(registers, "register"), register)
     ElementTree.indent(device)
     return (
@@ -132,7 +132,7 @@ def _svd_register(element: ElementTree.Element, register: Register) -> None:
         size=DATA_BITS,
         access=_SVD_ACCESS[register.access],
         resetValue=f"{register.reset:#010x}",
-        # bits of no field read 0, after reset and ever
+        # bits that belong to no field always read 0
         resetMask="0xffffffff",
         **clears,
     )
@@ -150,13 +150,13 @@ def _texts(element: ElementTree.Element, **children: Any) -> None:
         ElementTree.SubElement(element, tag).text = str(text)
 
 
-def facts(parameters: Build) -> dict[str, Any]:
-    """What templates want to know of the map."""
+def facts(build: Build) -> dict[str, Any]:
+    """What the templates need of the map."""
     return {
-        "registers": register_map(parameters),
+        "registers": register_map(build),
         "address_bits": ADDRESS_BITS,
         "is_command": is_command,
-        "frame_results": frame_results(parameters),
-        "reported_response": reported_response(parameters),
-        "sigma2_role": sigma2_role(parameters),
+        "frame_results": frame_results(build),
+        "reported_response": reported_response(build),
+        "sigma2_role": sigma2_role(build),
     }

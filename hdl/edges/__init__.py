@@ -1,8 +1,5 @@
 # amaranth: UnusedElaboratable=no
-# the parts are made at once, because ports and register map are theirs, and elaborated perhaps never
-"""The edges of the core: what stands between the detector and buses that other people's cores
-speak.
-"""
+"""The edges of the core: what connects the detector to the buses that other cores use."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
 # amaranth: UnusedElaboratable=no
-# the parts are made at once, because ports and register map are theirs, and elaborated perhaps never
 """The core with Avalon edges, for Intel's Platform Designer: Avalon-ST Video in, Avalon-ST records
 out, Avalon-MM.
 """
@@ -18,19 +17,19 @@ from hdl.edges.core import Core
 from hdl.edges.register import ADDRESS_BITS, DATA_BITS
 
 VIDEO_PACKET = 0
-"""Low four bits of the first beat of a packet that holds a frame's pixels; all other packets are
-passed over.
+"""Low four bits of the first beat of a packet with a frame's pixels. All other packets are
+ignored.
 """
 PACKET_TYPE_BITS = 4
 
 
 class AvalonCore(wiring.Component):
-    """The core with Avalon edges; ports by the prefixes that Platform Designer knows. All readiness
-    is of latency 0.
+    """The core with Avalon edges; ports have the prefixes that Platform Designer knows. All ready
+    latencies are 0.
 
     Avalon-ST Video has no ends of line: lines are told apart by counting. A frame is cut where the
-    next one begins too early. Frame sizes come from the registers; control packets are passed over,
-    as are users' packets.
+    next one begins too early. Frame sizes come from the registers; control packets and user packets
+    are ignored.
 
     Members
     -------
@@ -39,21 +38,21 @@ class AvalonCore(wiring.Component):
     aso_records_*
         Records, a packet per frame.
     avs_registers_*
-        Avalon-MM: word addresses, pipelined reads, no waiting but in reset. Errors are not
-        reported; what is refused stays.
+        Avalon-MM with word addresses and pipelined reads; it waits in reset only. Errors are not
+        reported: a write that is refused changes nothing.
     ins_irq_irq
         Interrupt, active high.
 
     Raises
     ------
     ValueError
-        For ``video_out``: the packet of a frame that is cut would lack its end, which Avalon-ST
+        ``video_out`` is set: the packet of a frame that is cut would lack its end, which Avalon-ST
         does not allow.
     """
 
     @staticmethod
     def check(build: Build) -> None:
-        """Raise ``ValueError`` if it cannot be built so."""
+        """Raise ``ValueError`` if there is no such core with Avalon edges."""
         if build.video_out:
             raise ValueError("video_out is True; allowed with Avalon edges: False")
 
@@ -123,7 +122,7 @@ class AvalonCore(wiring.Component):
 
     def _registers(self, m: Module) -> None:
         bus, wait = self.core.bus, self.avs_registers_waitrequest
-        # what is asked for in reset waits until it can be answered
+        # an access in reset waits until it can be answered
         m.d.sync += wait.eq(0)
         m.d.comb += [
             bus.write.eq(self.avs_registers_write & ~wait),

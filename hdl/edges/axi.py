@@ -1,5 +1,4 @@
 # amaranth: UnusedElaboratable=no
-# the parts are made at once, because ports and register map are theirs, and elaborated perhaps never
 """The core with AXI edges: AXI4-Stream video in (AMD UG934), AXI4-Stream records out, AXI4-Lite
 registers.
 """
@@ -44,16 +43,17 @@ LITE = {
 
 
 def byte_lanes(bits: int) -> int:
-    """Width of TDATA that holds so many bits: whole bytes, as AXI wants it."""
+    """Width of TDATA for so many bits: whole bytes, as AXI requires."""
     return -(-bits // 8) * 8
 
 
 class AxiLite(wiring.Component):
-    """AXI4-Lite subordinate before a register bank. All outputs are registers.
+    """AXI4-Lite subordinate in front of a register bank. All outputs are registers.
 
-    One write and one read at a time, independent of each other; address and data of a write may
-    come in any order. The answer is SLVERR where the bank says so, and OKAY else. Protection bits
-    are ignored. In reset nothing is taken: what is offered then waits, and is answered afterwards.
+    It takes one write and one read at a time, independent of each other; address and data of a
+    write may come in any order. The answer is SLVERR where the bank reports an error, otherwise
+    OKAY. Protection bits are ignored. In reset nothing is taken: an access waits and is answered
+    afterwards.
 
     Members
     -------
@@ -73,7 +73,7 @@ class AxiLite(wiring.Component):
 
     def _write(self, m: Module, awake: Signal) -> None:
         bus = self.bus
-        # each channel's ready is low while what it brought is kept
+        # a channel's ready is low while its last transfer is stored here
         complete = awake & ~self.awready & ~self.wready & ~self.bvalid
         with m.If(self.awvalid & self.awready):
             m.d.sync += [bus.write_address.eq(self.awaddr[2:]), self.awready.eq(0)]
@@ -101,18 +101,18 @@ class AxiLite(wiring.Component):
 
 
 class AxiCore(wiring.Component):
-    """The core with AXI edges; ports as cocotbext-axi and Vivado expect their names.
+    """The core with AXI edges; ports have the names that cocotbext-axi and Vivado expect.
 
     Members
     -------
     s_axis_*
-        Video: a pixel in the low bits of TDATA, TUSER[0] with a frame's first, TLAST with a line's
-        last.
+        Video: a pixel in the low bits of TDATA, TUSER[0] with the first of a frame, TLAST with the
+        last of a line.
     m_axis_*
-        Records, TLAST with a frame's last, its end-of-frame record.
+        Records, TLAST with the end-of-frame record, which is the last of a frame.
     m_axis_video_*
-        With ``video_out`` only: the pixels, TUSER[0] with a frame's first, TUSER[1] where a corner
-        is, TLAST with a line's last.
+        With ``video_out`` only: the pixels, TUSER[0] with the first of a frame, TUSER[1] where a
+        corner is, TLAST with the last of a line.
     s_axil_*
         Registers, see ``hdl.edges.register_map``.
     irq

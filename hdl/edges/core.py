@@ -1,5 +1,4 @@
 # amaranth: UnusedElaboratable=no
-# the parts are made at once, because ports and register map are theirs, and elaborated perhaps never
 """The core behind its edges: the guarded detector and its registers, before any bus."""
 
 from __future__ import annotations
@@ -27,16 +26,16 @@ class Core(wiring.Component):
     detector
         See ``VideoDetector``.
     ends_of_line
-        The video marks them; else lines are told apart by counting, whatever software says.
+        The video has them. Otherwise lines are told apart by counting, whatever software says.
 
     Members
     -------
     video, records, overlay
-        As of ``VideoDetector``.
+        The same as in ``VideoDetector``.
     bus
-        ``register_bus()``, from the other side.
+        ``register_bus()``, seen from the bank.
     irq
-        Interrupt, high until software clears what caused it.
+        Interrupt; it stays high until software clears its cause.
     """
 
     def __init__(self, build: Build, *, detector: Any = None, ends_of_line: bool = True) -> None:

@@ -1,5 +1,5 @@
-"""Frame guard: makes whole frames of whatever video comes in (``golden.video``), and says where it
-was malformed.
+"""Frame guard: makes whole frames of whatever video comes in (``golden.video``), and reports where
+it was malformed.
 """
 
 from __future__ import annotations
@@ -36,38 +36,37 @@ GUARD_EVENTS = (
 
 
 class FrameGuard(wiring.Component):
-    """Lets pass exactly width · height pixels from each start of frame on, or says that a frame is
+    """Passes exactly width · height pixels from each start of frame on, or reports that a frame is
     cut.
 
-    A frame that does not go on as it must raises ``cut``; nothing is taken until ``resume``
-    answers. All that is no part of a frame is taken and dropped, so that a source is never held up
-    by it.
+    A malformed frame raises ``cut``; then nothing is taken until ``resume`` answers. Pixels outside
+    of frames are taken and dropped, so that they never hold up a source.
 
     Members
     -------
     i
         Stream of ``video_layout(build)``.
     o
-        Stream of ``video_layout(build)``: pixels of whole frames, framed as they should be.
+        Stream of ``video_layout(build)``: pixels of whole frames with correct framing.
     width, height
-        Size of the next frame, 15x15 up to the built maximum; kept from its first pixel on.
+        Size of the next frame, 15x15 up to the built maximum; sampled with its first pixel.
     frame_width, frame_height
-        Size of the frame under way, or of the last one: stays until the next one's first pixel is
+        Size of the frame under way, or of the last one, until the first pixel of the next one is
         taken.
     enable
-        Let frames start.
+        Frames may start.
     ignore_eol
-        Tell lines apart by counting only.
+        Lines are told apart by counting only.
     restart
-        Forget everything, and take nothing more until ``resume``.
+        Forgets everything, and takes nothing more until ``resume``.
     cut, resume
-        The frame under way ends here; it has been dealt with. ``resume`` is one clock long.
+        The frame under way ends here; its packet has been closed. ``resume`` is one clock long.
     active
         A frame is under way.
     taken
         A pixel of a frame is taken.
     done
-        It is the last of its frame.
+        The last pixel of a frame is taken.
     events
         ``events_layout(*GUARD_EVENTS)``.
     """
@@ -100,7 +99,8 @@ class FrameGuard(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         sof, eol = self.i.payload.sof, self.i.payload.eol
-        # a line's last pixel has been seen, but not its end; a complete frame went before
+        # surplus: the last pixel of a line has been seen, but not its end of line; after: a
+        # complete frame went before
         surplus, after = Signal(), Signal()
         row_end, last_row = Signal(), Signal()
         ignore_eol = Signal()
@@ -174,15 +174,15 @@ class FrameGuard(wiring.Component):
         last_row: Signal,
         ignore_eol: Signal,
     ) -> Signal:
-        """Place of the next pixel: in its frame, in what is too much of a line, or in what lies
-        between frames.
+        """Counts the place of the next pixel: in its frame, in the surplus of a line, or between
+        frames.
 
-        All are counted alike, so that a line or a frame too much can be told. Returns: is it the
-        last of a row?
+        All are counted alike, so that a surplus line or frame is noticed. Returns whether the pixel
+        is the last of a row.
         """
         build = self._build
         x, y = Signal(range(build.max_width)), Signal(range(build.max_height))
-        # ends are known a pixel ahead, and a row: as registers
+        # row and frame ends are known one pixel, and one row, ahead, so that they are registers
         last_but_one_x, last_but_one_y = (Signal.like(place, init=SUPPORT - 2) for place in (x, y))
         with m.If(~self.active):
             m.d.sync += [

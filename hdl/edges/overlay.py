@@ -1,4 +1,4 @@
-"""Overlay: the pixels once more, so late that each can say whether it is a corner."""
+"""Overlay: the pixels once more, delayed so that each comes with its corner flag."""
 
 from __future__ import annotations
 
@@ -17,25 +17,23 @@ from hdl.parts.queue import Queue
 _ROWS = {"lean": 7, "banked": 9}
 """Rows that come after a pixel before its flag does: ``"banked"`` buffers read two rows late."""
 _CLOCKS = 128
-"""And the clocks of the way through the detector, with some to spare."""
+"""Pixels that come during the way through the detector besides, with a reserve."""
 
 
 def overlay_layout(build: Build) -> data.StructLayout:
-    """A pixel, whether it is an accepted corner (as a whole pixel), and its place in frame and
-    line.
-    """
+    """A pixel with its framing, and whether there is an accepted corner (its whole pixel)."""
     return data.StructLayout({"pixel": unsigned(build.pixel_bits), "corner": 1, "sof": 1, "eol": 1})
 
 
 class Overlay(wiring.Component):
     """Holds pixels back in block RAM until the detector's corner flags are there.
 
-    Flags exist where a corner can be; the outermost pixels go by without. A pixel is kept with one
-    tag, which on a row's first pixel means that it is the frame's first, and elsewhere that it is
-    the row's last.
+    There are flags where a corner can be; the outermost pixels have none. A pixel is stored with
+    one tag, which on the first pixel of a row means the first of the frame, and elsewhere the last
+    of the row.
 
-    It is deep enough that pixels are held up only where flags or the output are, and never all at
-    once: what it holds when it is full is more than the detector needs to mark the first of them.
+    It is deep enough that pixels wait only for their flags or for the output, and that it cannot
+    lock up: when it is full, it holds more than the detector needs for the flag of the first pixel.
 
     Members
     -------
@@ -44,7 +42,7 @@ class Overlay(wiring.Component):
     corner_flags
         Stream of ``corner_flag_layout()``.
     restart
-        Forget all but a beat at the output.
+        Forgets all but a beat at the output.
     o
         Stream of ``overlay_layout(build)``, all of it registers.
     done
@@ -86,8 +84,8 @@ class Overlay(wiring.Component):
             queue.i.payload.tag.eq(self.i.payload.sof | self.i.payload.eol),
         ]
 
-        # columns before the first that can have a flag, rows likewise; then whether the last flag
-        # has gone by
+        # columns and rows before the first that can have a flag; right, below: the last flag of
+        # the row, or of the frame, has been used
         column, row = Signal(range(MARGIN + 1)), Signal(range(MARGIN + 1))
         right, below = Signal(), Signal()
         flagged, free, step, eol = Signal(), Signal(), Signal(), Signal()

@@ -26,15 +26,15 @@ PACKET_EVENTS = (Event.FRAME_DONE, Event.FRAME_CUT, Event.RECORDS_DROPPED)
 
 
 def results_layout() -> data.StructLayout:
-    """What a frame gave; kept until the next one's end."""
+    """Results of a frame; they stay until the end of the next one."""
     return data.StructLayout(
         {"frames": FRAME_BITS, "corners": COUNT_BITS, "dropped": COUNT_BITS, "maximum": RESPONSE_FIELD_BITS}
     )
 
 
 class PacketConstructor(wiring.Component):
-    """Passes a frame's records on, drops those that are too many, and closes each frame with one
-    last beat.
+    """Passes the records of a frame on, drops surplus ones, and closes each frame with one last
+    beat.
 
     The detector counts records and frames too, but forgets both when it is restarted; here nothing
     is forgotten, so every packet says how many records it has, and frame numbers go on.
@@ -42,7 +42,7 @@ class PacketConstructor(wiring.Component):
     Parameters
     ----------
     budget
-        The detector has a limit of its own, and says how many corners it found.
+        The detector has a limit of its own, and reports how many corners it found.
 
     Members
     -------
@@ -51,9 +51,9 @@ class PacketConstructor(wiring.Component):
     close, closed
         Close the packet of a frame that was cut: ask, with no record offered, until it is answered.
     clear
-        Start counting anew, as at reset. A beat at the output stays.
+        Counting starts anew, as at reset. A beat at the output stays.
     max_records
-        Records that a packet may have before its last.
+        Largest number of records in a packet before its last one.
     found
         With ``budget`` only: corners of the frame that ends, not only those that the detector
         reported.

@@ -1,5 +1,5 @@
-"""Register bank: the hardware of the register map, behind a bus so plain that any other can be put
-before it.
+"""Register bank: the hardware of the register map, behind a simple bus to which any other can be
+adapted.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ OTHER_EVENTS = tuple(event for event in Event if event not in OWN_EVENTS)
 
 
 def register_bus() -> wiring.Signature:
-    """As the bank's user sees it: writes and reads of one clock each, in any clock, both at once if
-    need be.
+    """The bus, seen from its user: writes and reads take one clock each, and can be in the same
+    clock.
 
-    ``write`` and ``read`` say that there is one; addresses are those of words. Each byte of
-    ``write_data`` counts if its bit in ``write_mask`` is set. Read data and errors (there is no
-    such register, or it is read only) are there in the same clock, whether or not ``read`` or
-    ``write`` is high.
+    ``write`` and ``read`` are high in the clock of an access; addresses count words. A byte of
+    ``write_data`` is written if its bit in ``write_mask`` is set. Read data and errors (no such
+    register, or a read-only one) come in the same clock, whether or not ``read`` or ``write`` is
+    high.
     """
     address = ADDRESS_BITS - 2
     return wiring.Signature(
@@ -50,23 +50,23 @@ def register_bus() -> wiring.Signature:
 class RegisterBank(wiring.Component):
     """Registers that software writes, results that it reads, events that stay until it clears them.
 
-    An event in the clock in which its bit is cleared stays set. The interrupt comes out of a
-    register.
+    If an event comes in the clock in which its bit is cleared, the bit stays set. The interrupt is
+    a register.
 
     Members
     -------
     bus
-        ``register_bus()``, from the other side.
+        ``register_bus()``, seen from the bank.
     control
         ``control_layout(build)``.
     timeout
-        Clocks.
+        Limit of the watchdogs, in clocks.
     active, results, history, clocks, reset_done
-        As of ``VideoDetector``.
+        The same as in ``VideoDetector``.
     events
         ``events_layout(*OTHER_EVENTS)``.
     irq
-        A bit of STATUS is set that is enabled.
+        A bit is set both in STATUS and in IRQ_ENABLE.
     """
 
     def __init__(self, build: Build) -> None:
@@ -91,7 +91,7 @@ class RegisterBank(wiring.Component):
         bus = self.bus
         written = {name: Signal(name=f"write_{name.lower()}") for name in self.registers}
         m.d.comb += [bus.write_error.eq(1), bus.read_error.eq(1)]
-        # without any byte nothing is written, and so nothing happens
+        # a write of no byte has no effect
         writes = bus.write & bus.write_mask.any()
         with m.Switch(bus.write_address):
             for name, register in self.registers.items():
@@ -129,7 +129,7 @@ class RegisterBank(wiring.Component):
         return contents
 
     def _write(self, m: Module, written: Signal, field: Field, stored: Value) -> None:
-        """The bytes that are written; the others stay."""
+        """Writes the bytes that the mask selects; the others stay."""
         for byte in range(field.low // 8, field.high // 8 + 1):
             low, high = max(8 * byte, field.low), min(8 * byte + 7, field.high)
             with m.If(written & self.bus.write_mask[byte]):
@@ -146,7 +146,7 @@ class RegisterBank(wiring.Component):
                 assert stored is not None
                 if field.name != "reset":
                     self._write(m, written[name], field, stored)
-        # asked for by a 1, and not to be taken back
+        # writing 1 asks for a reset, and writing 0 does not take that back
         reset = self.control.reset
         with m.If(written["CONTROL"] & self.bus.write_mask[0] & self.bus.write_data[RESET_BIT]):
             m.d.sync += reset.eq(1)
@@ -154,7 +154,7 @@ class RegisterBank(wiring.Component):
             m.d.sync += reset.eq(0)
 
     def _size(self, m: Module, written: Signal) -> None:
-        """Both halves are checked together, and so must be written together."""
+        """The halves of SIZE are checked together, and so must be written together."""
         build, bus = self._build, self.bus
         limits = {"width": build.max_width, "height": build.max_height}
         sizes = {

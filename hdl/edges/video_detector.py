@@ -1,8 +1,5 @@
 # amaranth: UnusedElaboratable=no
-# the parts are made at once, because the latency is theirs, and elaborated perhaps never
-"""The detector for video as it comes: guarded, so that nothing that comes in can hang or confuse
-it.
-"""
+"""The detector for any video: guarded, so that nothing that comes in can hang or confuse it."""
 
 from __future__ import annotations
 
@@ -50,8 +47,8 @@ def report_members(build: Build) -> dict[str, wiring.Member]:
 
 
 def control_layout(build: Build) -> data.StructLayout:
-    """What can be set: ``golden.video.VideoSettings`` in the hardware's formats, and ``reset``,
-    held until done.
+    """All settings: ``golden.video.VideoSettings`` in the formats of the hardware, and ``reset``,
+    which is held until ``reset_done``.
     """
     return data.StructLayout(
         {
@@ -67,8 +64,8 @@ def control_layout(build: Build) -> data.StructLayout:
 
 
 def initial_control(build: Build) -> dict[str, Any]:
-    """After reset: the largest frame, usual thresholds, enabled only where it is built to start by
-    itself.
+    """The settings after reset: the largest frame and default thresholds; enabled only with
+    ``autostart``.
     """
     return {
         "enable": int(build.autostart),
@@ -87,17 +84,17 @@ class VideoDetector(wiring.Component):
                                     └─ overlay ──┘       (restart)
                                           └─ pixels with corner flags
 
-    The detector gets whole frames only. Where one is cut, it is restarted as soon as the frames
-    before have left it; until then, a few hundred clocks at most unless the output is held up, no
-    video is taken. What a frame passes on to the next, its largest response and what T1 is adapted
-    to, is kept here.
+    The detector gets whole frames only. Where one is cut, the detector is restarted as soon as the
+    frames before have left it. Until then no video is taken; this lasts a few hundred clocks at
+    most, unless the output is held up. What a frame passes on to the next one, its largest response
+    and what T1 is adapted to, is stored here.
 
     Parameters
     ----------
     build
         What to build.
     detector
-        Another component with the members of ``Detector(build)``, to look at the edges alone.
+        Another component with the members of ``Detector(build)``, to examine the edges alone.
 
     Members
     -------
@@ -118,11 +115,11 @@ class VideoDetector(wiring.Component):
     active
         A frame is under way at the input.
     idle
-        A frame is under way, and it is its next pixel that is waited for.
+        A frame is under way, and its next pixel has not come yet.
     history
-        With ``budget`` only: ``adapted_layout(build)``, of the last complete frame.
+        With ``budget`` only: ``adapted_layout(build)`` from the last complete frame.
     reset_done
-        What ``control.reset`` asks for is done; one clock long.
+        The reset that ``control.reset`` asks for is done; one clock long.
     """
 
     def __init__(self, build: Build, *, detector: Any = None) -> None:
@@ -272,8 +269,8 @@ class VideoDetector(wiring.Component):
 
     def _in_flight(self, m: Module, name: str, out: Any, restart: Signal) -> Signal:
         """Complete frames whose last pixel has gone in, but whose end has not come out."""
-        # each frame in flight has at least one window among the corner flags and pending records that wait, but for
-        # two
+        # each frame in flight, but for two, has at least one window among the corner flags and
+        # pending records that wait
         most = self._build.queue_depth + 32
         inside = Signal(range(most), name=name)
         with m.If(restart):

@@ -1,4 +1,4 @@
-"""Watchdog: notices that something waits for too long."""
+"""Watchdog: notices that something waits too long."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ class Watchdog(wiring.Component):
     Parameters
     ----------
     bits
-        Of the limit.
+        Width of the limit.
 
     Members
     -------
     waiting
         Something waits.
     limit
-        Clocks; 0: for ever.
+        In clocks; 0 stands for no limit.
     expired
-        It has waited for so long, or for longer when the limit was lowered: once, for one clock, in
-        each wait.
+        The wait has reached the limit, or is longer than a limit that was lowered. High for one
+        clock, once in each wait.
     """
 
     def __init__(self, bits: int = TIMEOUT_BITS) -> None:
@@ -35,8 +35,8 @@ class Watchdog(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        # one bit more than a limit has, in which the count stays: a limit that is set late must
-        # find it
+        # the count has one bit more than a limit and stops there, so that it is above any limit
+        # that is set later
         waited, over = Signal(len(self.limit) + 1), Signal()
         reached = Signal()
         m.d.comb += reached.eq((waited >= self.limit) & (self.limit != 0) & ~over)
@@ -46,6 +46,6 @@ class Watchdog(wiring.Component):
             m.d.sync += over.eq(over | reached)
             with m.If(~waited[-1]):
                 m.d.sync += waited.eq(waited + 1)
-        # of the wait up to this clock, which may have ended with it
+        # this tells of the wait up to this clock, which may be its last one
         m.d.sync += self.expired.eq(reached)
         return m

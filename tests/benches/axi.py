@@ -193,7 +193,7 @@ class Bench:
         return np.kron(bright, square)[:height, :width]
 
     def send(self, beats: Beats | Image) -> None:
-        """Queues beats or a well-formed frame, and expects what becomes of it with what is set now."""
+        """Queues beats or a well-formed frame, and expects its packet with the present settings."""
         beats = framed(beats) if isinstance(beats, np.ndarray) else beats
         self.source.beats(beats)
         self.expect(beats)

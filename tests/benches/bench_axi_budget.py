@@ -32,7 +32,7 @@ async def check_adapted(bench: Bench) -> None:
 
 @cocotb.test(timeout_time=3, timeout_unit="ms")
 async def max_corners(dut: Dut) -> None:
-    """No packet has more, CORNERS and DROPPED count the others, and MAX_RECORDS may be less still."""
+    """No packet has more; CORNERS and DROPPED count the others; MAX_RECORDS may be lower still."""
     bench = Bench(dut, idle=0.05)
     await bench.start()
     await aim(bench)

@@ -31,7 +31,7 @@ SHARES = ((0.0, 0.0, 0.0, 0.1, 0.4, 0.8), (0.0, 0.2, 0.6, 0.9, 0.98), (0.0, 0.0,
 
 
 class ChangingPauses:
-    """Shares of clocks in which to pause, drawn anew for each driver whenever another frame begins."""
+    """Shares of clocks with a pause, drawn anew for each driver whenever another frame begins."""
 
     def __init__(self, bench: Bench) -> None:
         self._bench = bench
@@ -60,7 +60,7 @@ class ChangingPauses:
 
 
 class Traffic:
-    """Accesses to any register that leave the video alone, one after the other, until told to stop."""
+    """Accesses to any register that do not affect the video, one after the other, until stopped."""
 
     def __init__(self, bench: Bench) -> None:
         self._bench = bench

@@ -47,7 +47,7 @@ async def corners_are_marked(dut: Dut) -> None:
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def full_rate(dut: Dut) -> None:
-    """At the built maximum, where what is held back is largest: W·H clocks per frame, in and out."""
+    """At the built maximum, where most pixels are held back: W·H clocks per frame, in and out."""
     bench, random_ = Bench(dut), draw()
     await bench.start()
     p = bench.parameters

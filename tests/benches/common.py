@@ -146,7 +146,7 @@ class Sink:
 
     @property
     def empty(self) -> bool:
-        """No packet is waiting, and none has begun. The end of the last one shows some clocks late."""
+        """No packet is waiting, and none has begun. The last one's end is seen some clocks late."""
         return self.axi.empty() and not self.axi.active
 
 
@@ -173,7 +173,7 @@ class Registers:
         _pause(share, *channels)
 
     async def read(self, address: int, expect: AxiResp = AxiResp.OKAY) -> int:
-        """The value at a byte address; AssertionError if the core answers anything but ``expect``."""
+        """The value at a byte address; AssertionError if the answer is not ``expect``."""
         answer = await self.axi.read(address, 4)
         assert answer.resp == expect, f"read of {address:#04x}: {answer.resp!r} instead of {expect!r}"
         return int.from_bytes(answer.data, "little")

@@ -1,4 +1,4 @@
-"""The example around the core: it lints, it counts corners, and FuseSoC finds its way through it."""
+"""The example around the core: it lints, it counts corners, and FuseSoC can use it."""
 
 from __future__ import annotations
 

@@ -19,20 +19,19 @@ LATE = 2
 """Clocks with its output ready in which it takes a pixel, and in which it ends a frame that is
 complete.
 
-The real one takes some hundreds; which number it is decides about how long a proof must look ahead,
-only.
+The real one takes some hundreds. The number decides only how far a proof must look ahead.
 """
 
 
 class AbstractDetector(wiring.Component):
-    """Has the members of ``Detector(parameters)``, and arbitrary outputs but for this:
+    """Has the members of ``Detector(build)``. Its outputs are arbitrary, but keep these rules:
 
     - a record stays until it is taken; ``last`` is with the end-of-frame record, and only there;
-    - a record comes only when a frame has begun, and an end only when one is complete that has not had it: width ·
-      height pixels, as sampled with the first;
+    - a record comes only when a frame has begun, and an end only when a frame is complete, with
+      width · height pixels as sampled with the first, and has not had its end;
     - not more than ``most`` complete frames wait inside for their end;
-    - while the output is ready, it ends a complete frame every ``LATE`` clocks, and takes a pixel as often but when
-      ``most`` wait.
+    - while the output is ready, it ends a complete frame every ``LATE`` clocks, and takes a pixel
+      as often, except when ``most`` frames wait.
 
     Attributes
     ----------

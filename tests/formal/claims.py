@@ -93,7 +93,7 @@ class Case:
         record_property(RECORD, asdict(record))
 
     def _beside_the_fault(self, message: str) -> bool:
-        """All but what it must break, so that a solver has no choice which it shows to be broken."""
+        """All but the one it must break, so that a solver cannot choose which one it breaks."""
         assert self.fault
         return message.startswith(INVARIANT) or self.fault.breaks not in message
 

@@ -1,6 +1,6 @@
 # amaranth: UnusedElaboratable=no
-"""Candidate selection: pending records and candidates stay in step, and the queues never overflow, whoever
-waits for whom.
+"""Candidate selection: pending records and candidates stay in step, and the queues never overflow,
+whoever waits for whom.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Output constructor: each frame is closed by one record that counts the others, and none is lost."""
+"""Output constructor: one record that counts the others closes each frame, and none is lost."""
 
 from __future__ import annotations
 

@@ -231,7 +231,7 @@ def test_square_root(case: Case, record_property: Callable[[str, object], None])
 
 @pytest.mark.parametrize("last", [1, 0], ids=["as it is", "with a fault"])
 def test_the_excess_that_is_carried_along_is_what_the_radicand_has_beyond_the_square(last: int) -> None:
-    """By induction over bits: it is 0 at first, and what follows from N - q² is 4N + d - (2q + b)²."""
+    """By induction over bits: it is 0 at first, and N - q² is followed by 4N + d - (2q + b)²."""
     number, root, excess, digit, bit = z3.Ints("number root excess digit bit")
     grown = 4 * excess + digit - bit * (4 * root + last)
     new_number, new_root = 4 * number + digit, 2 * root + bit

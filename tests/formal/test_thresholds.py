@@ -17,7 +17,7 @@ from tests.formal.properties import Scoreboard, assume_stable, free, invariant, 
 
 DEFAULT = Build.profile("paper")
 NARROW = Build.profile("paper", pixel_bits=4)
-"""With the variant whose multiplications take few clocks, so that covers and faults are soon found."""
+"""Here multiplications take few clocks, so that covers and faults are found soon."""
 
 
 class ThresholdsChecker(Elaboratable):

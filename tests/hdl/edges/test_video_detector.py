@@ -87,7 +87,7 @@ def test_malformed_video(parameters: Parameters, stalls: Stalls) -> None:
 
 @builds
 def test_full_rate_and_latency(parameters: Parameters) -> None:
-    """W·H clocks per frame, and the end-of-frame record as late as is said, where no corner waits."""
+    """W·H clocks per frame, and the end-of-frame record after ``latency`` if no corner waits."""
     runner = engine("compiled", PlainVideoDetector, parameters)
     dut = VideoDetector(parameters)
     for width, height in ((15, 15), (MAX_WIDTH, MAX_HEIGHT), (33, 17)):
