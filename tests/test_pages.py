@@ -16,6 +16,7 @@ import click
 import pytest
 
 import cornerstream
+from cornerstream import Build, package_files
 from cornerstream.cli import main
 
 ROOT = Path(__file__).parents[1]
@@ -193,3 +194,10 @@ def test_what_is_found_on_a_page() -> None:
     ):
         with pytest.raises((AssertionError, click.ClickException)):
             parse(wrong)
+
+
+def test_interfaces_of_platform_designer() -> None:
+    script = package_files(Build(), "avalon")["cornerstream_hw.tcl"]
+    interfaces = set(re.findall(r"^add_interface (\w+) ", script, re.MULTILINE))
+    rows = re.findall(r"^ *\| (`.*`) \|", text_of("docs/howto/platform-designer.md"), re.MULTILINE)
+    assert set(re.findall(r"`(\w+)`", " ".join(rows))) == interfaces
