@@ -123,7 +123,8 @@ def _scenes(kind: Kind, quick: bool) -> list[Scene]:
 
 def _built(parameters: Parameters, **changes: Any) -> Build:
     """As it is built by default."""
-    return replace(Build(algorithm=parameters.algorithm), pixel_bits=parameters.pixel_bits, **changes)
+    usual: dict[str, Any] = {"algorithm": parameters.algorithm, "pixel_bits": parameters.pixel_bits}
+    return replace(Build(), **usual | changes)
 
 
 def _tensor(

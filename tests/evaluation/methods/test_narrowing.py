@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
+from amaranth.hdl import Shape
+from amaranth.lib import wiring
 
 from evaluation.inputs.sources import photographs
 from evaluation.methods import narrowing
+from flow.cyclone4.area import Area
 from golden import Parameters
 from golden.convolution import smooth
 from golden.frame import response_map
@@ -51,3 +57,26 @@ def test_mantissas_cost_area_and_give_accuracy() -> None:
     assert few["area"]["le"] < many["area"]["le"] and few["clocks"] >= many["clocks"]
     assert few["error"]["p99"]["value"] > 2 * many["error"]["p99"]["value"]
     assert [point["default"] for point in points] == [False, True]
+
+
+def test_blocks_are_built_for_fewer_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each point of the first two sweeps, without mapping its blocks to tables."""
+    built: list[Any] = []
+
+    def map_nothing(block: wiring.Component, name: str) -> list[SimpleNamespace]:
+        built.append(block)
+        return [SimpleNamespace(area=Area(lut4=1))]
+
+    monkeypatch.setattr(narrowing, "map_component", map_nothing)
+    images = photographs(quick=True)[:1]
+    points = list(narrowing._tensor(ROBUST, images, {}, (16, 14)))
+    assert [(point["bits"], point["default"], point["area"]["le"]) for point in points] == [
+        *((16, True, 1), (14, False, 1)),
+    ]
+    # the input is a stream of A, B and C
+    widths = [Shape.cast(block.i.payload.shape()).width for block in built]
+    assert widths[0] == widths[1] + 6
+    built.clear()
+    points = list(narrowing._response(ROBUST, images, {}, (0, 2)))
+    assert [(point["bits"], point["area"]["le"]) for point in points] == [(17, 4), (15, 4)]
+    assert len(built) == 8 and points[0]["same"]["value"] == 1 > points[1]["same"]["value"]
