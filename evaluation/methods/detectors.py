@@ -234,6 +234,12 @@ MODES = (
 )
 
 
+def modes_of(detectors: list[Detector]) -> list[Mode]:
+    """The modes that these detectors allow: those without ``like``, and those whose ``like`` is here."""
+    names = {detector.name for detector in detectors}
+    return [mode for mode in MODES if mode.like is None or mode.like in names]
+
+
 def budget(image: Image, pixels_per_corner: int = PIXELS_PER_CORNER) -> int:
     """N for an image where nothing else says so: 512 corners in 640x480."""
     return max(round(image.size / pixels_per_corner), 10)

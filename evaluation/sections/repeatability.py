@@ -23,6 +23,7 @@ from evaluation.methods.detectors import (
     Thresholds,
     budget,
     detectors,
+    modes_of,
 )
 from evaluation.methods.grouping import by_scene, figures_of_parts, parts_of
 from evaluation.methods.matching import TOLERANCE, known, match, project, visible
@@ -159,7 +160,7 @@ def repeatability(
     """Every mode, and repeatability over the number of corners at equal numbers."""
     cache = DetectionCache()
     modes: Figures = {}
-    for done, mode in enumerate(MODES, start=1):
+    for done, mode in enumerate(modes_of(detectors), start=1):
         found = scores(pairs, detectors, mode, cache)
         modes[mode.name] = mode_figures(pairs, found, views=mode is MODES[0])
         if notify:

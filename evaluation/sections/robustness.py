@@ -13,7 +13,6 @@ from evaluation.figures import Figures, Notify
 from evaluation.inputs.sources import FRAMES_APART, PAIRS_PER_VIDEO, Pair
 from evaluation.methods.bootstrap import estimate, mean, relative_gain
 from evaluation.methods.detectors import (
-    MODES,
     PAPER_LOW,
     WITHOUT,
     DetectionCache,
@@ -22,6 +21,7 @@ from evaluation.methods.detectors import (
     Points,
     budget,
     detectors,
+    modes_of,
 )
 from evaluation.methods.grouping import by_scene, figures_of_parts, parts_of
 from evaluation.methods.matching import TOLERANCE, project
@@ -134,14 +134,14 @@ def mode_figures(pairs: list[Pair], found: dict[str, list[Score]]) -> Figures:
 
 def robustness(pairs: list[Pair], detectors: list[Detector], *, notify: Notify | None = None) -> Figures:
     """Every mode over all pairs that the tracker can reach across."""
-    chosen = trackable(pairs)
+    chosen, modes = trackable(pairs), modes_of(detectors)
     cache = DetectionCache()
     found: dict[str, dict[str, list[Score]]] = {
-        mode.name: {detector.name: [] for detector in detectors} for mode in MODES
+        mode.name: {detector.name: [] for detector in detectors} for mode in modes
     }
     for done, pair in enumerate(chosen, start=1):
         tracks = track(pair.first, pair.second)
-        for mode in MODES:
+        for mode in modes:
             for name, points in corners_of(pair, detectors, mode, cache).items():
                 found[mode.name][name].append(score(pair, points, tracks))
         if notify:
@@ -156,7 +156,7 @@ def robustness(pairs: list[Pair], detectors: list[Detector], *, notify: Notify |
         "pairs": len(chosen),
         "videos": videos_of(chosen),
         "left_out": len(pairs) - len(chosen),
-        "modes": {mode.name: mode_figures(chosen, found[mode.name]) for mode in MODES},
+        "modes": {mode.name: mode_figures(chosen, found[mode.name]) for mode in modes},
     }
 
 

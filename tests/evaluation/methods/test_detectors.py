@@ -17,6 +17,7 @@ from evaluation.methods.detectors import (
     Ours,
     budget,
     detectors,
+    modes_of,
 )
 from golden import PROFILES, Parameters, Settings, detect
 from golden.formats import MARGIN
@@ -97,3 +98,9 @@ def test_modes() -> None:
     assert len({mode.name for mode in MODES}) == len(MODES)
     assert budget(np.zeros((480, 640), np.uint8)) == 512
     assert budget(np.zeros((15, 15), np.uint8)) == 10
+
+
+def test_modes_need_the_detector_whose_numbers_they_take() -> None:
+    alone = detectors({"robust": Parameters.profile("robust")})
+    assert modes_of(alone) == [mode for mode in MODES if mode.like is None]
+    assert modes_of(ALL) == list(MODES) and any(mode.like for mode in MODES)

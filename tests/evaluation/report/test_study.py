@@ -297,3 +297,13 @@ def test_missing_matplotlib_is_said_before_anything_is_measured(
 def test_help_has_examples() -> None:
     text = run("--help").stdout
     assert "cornerstream eval --quick --json" in text and "--board-size" in text
+
+
+def test_one_profile_alone_is_measured_without_the_modes_of_the_other() -> None:
+    given = own()
+    given.images = [replace(image, pixels=image.pixels[:90, :100]) for image in given.images[:1]]
+    material = Material({"robust": Parameters.profile("robust")}, True, given)
+    found = study(["repeatability", "robustness"], material)
+    text = page(found)
+    assert "As many as paper" not in text and "Table 6 is not reproduced" not in text
+    assert "Thresholds 0.05/0.5" in text and set(plots(found)) == {"repeatability.png", "robustness.png"}
