@@ -52,8 +52,11 @@ verilog: $(BUILD)/cornerstream.v  ## build/cornerstream.v
 $(BUILD)/cornerstream.v: $(SOURCES) | $(CORE)
 	$(BIN)/cornerstream verilog -o $@
 
-run: | $(CORE)  ## simulate IMAGE=photo.jpg (default: scikit-image's camera); more options in ARGS=
-	$(BIN)/cornerstream simulate $(if $(IMAGE),"$(IMAGE)") --output $(BUILD) $(ARGS)
+# both profiles, unless ARGS names some
+PROFILES := $(if $(findstring --profile,$(ARGS)),,--profile robust --profile paper)
+
+run: | $(CORE)  ## both profiles on IMAGE=photo.jpg (default: scikit-image's camera), side by side; options in ARGS=
+	$(BIN)/cornerstream simulate $(if $(IMAGE),"$(IMAGE)") --output $(BUILD) $(PROFILES) $(ARGS)
 
 package: | $(CORE)  ## build/ip: the core with drivers, descriptions and an example
 	$(BIN)/cornerstream package --output $(BUILD)/ip --force $(ARGS)

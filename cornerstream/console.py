@@ -39,6 +39,12 @@ def say(line: str) -> None:
         click.echo(printable(line), err=True)
 
 
+def advise(line: str | None) -> None:
+    """A line of advice, where there is any."""
+    if line is not None:
+        say(line)
+
+
 def files_written(paths: list[Path]) -> None:
     """Name the files that were written."""
     say(f"Written: {', '.join(map(str, paths))}")

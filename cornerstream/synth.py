@@ -13,15 +13,17 @@ from rich.table import Table
 from cornerstream import console
 from cornerstream.errors import Failed
 from cornerstream.files import check_distinct, prepare_file, write_all
+from cornerstream.groups import MAIN, OTHER, GroupedCommand, option
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import (
     GIVEN_PATH,
     build_from,
-    detector_options,
     device_option,
     edge_options,
+    hardware_options,
     interface_option,
-    pixel_bits_option,
+    model_options,
+    profile_option,
 )
 from cornerstream.plot import check_plot, draw_area
 from cornerstream.tools import running_tools
@@ -37,25 +39,31 @@ _STAND_IN = "nextpnr for ECP5 -6 stands in for Quartus, whose delays no free too
 _BY_BLOCK = "with a device of Cyclone IV, whose blocks are counted one by one"
 
 
-@click.command(short_help="Area and clock frequency.")
+@click.command(cls=GroupedCommand, short_help="Area and clock frequency.")
+@profile_option
 @interface_option
-@detector_options
-@pixel_bits_option
-@edge_options
 @device_option("quartus", "nextpnr")
-@click.option("--no-timing", is_flag=True, help="Area only: leave out place and route, which takes minutes.")
-@click.option(
+@option(MAIN, "--no-timing", is_flag=True, help="Area only: leave out place and route, which takes minutes.")
+@option(
+    OTHER,
     "--seed",
     type=click.IntRange(1, 2**31 - 1),
     default=1,
     show_default=True,
     help="Seed of the placement: another one gives another frequency.",
 )
-@click.option(
-    "--netlist", type=GIVEN_PATH, metavar="FILE", help="Write the netlist of Cyclone IV's cells as Verilog."
+@option(
+    MAIN,
+    "--netlist",
+    type=GIVEN_PATH,
+    metavar="FILE",
+    help="Write the netlist of Cyclone IV's cells as Verilog.",
 )
-@click.option("--plot", type=GIVEN_PATH, metavar="FILE", help="Draw area by block: .png, .svg or .pdf.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+@option(MAIN, "--plot", type=GIVEN_PATH, metavar="FILE", help="Draw area by block: .png, .svg or .pdf.")
+@option(MAIN, "--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+@model_options
+@hardware_options
+@edge_options
 def synth(
     device: Device,
     no_timing: bool,
@@ -80,12 +88,12 @@ def synth(
       cornerstream synth --no-timing
       cornerstream synth --no-timing --device ep4ce22
       cornerstream synth --device lfe5u-25f
-      cornerstream synth --profile robust --max-width 1200 --max-height 720
+      cornerstream synth --max-width 1200 --max-height 720
       cornerstream synth --interface stream
-      cornerstream synth --buffering lean --json > build/synth.json
+      cornerstream synth --buffering banked --json > build/synth.json
       cornerstream synth --no-timing --plot build/area.png --netlist build/netlist.v
     """
-    build = build_from({"profile": profile, "interface": interface, **options})
+    build = build_from(profile, {"interface": interface, **options})
     check_distinct(netlist, plot)
     counted = device.tool == "quartus"
     refuse_idle(

@@ -9,14 +9,7 @@ from flow.verilog import MODULE
 from golden.algorithm import DEFAULT_PROFILE, PROFILES
 from hdl.build import Build
 
-_NO_OPTION = frozenset({"sqrt_bits_per_stage", "queue_depth"})
-"""Fields of ``Build`` that no option sets."""
 _USUAL: dict[str, Any] = {"device": DEVICES[DEFAULT_DEVICE].part, "clock": 100.0, "name": MODULE}
-
-
-def _options(build: Build) -> dict[str, Any]:
-    """All that options of the same name set."""
-    return {field: value for field, value in build.as_dict().items() if field not in _NO_OPTION}
 
 
 def command(verb: str, build: Build, **more: Any) -> str:
@@ -24,10 +17,10 @@ def command(verb: str, build: Build, **more: Any) -> str:
 
     ``more`` are further options, which are left out where they are as usual.
     """
-    wanted = _options(build)
+    wanted = build.as_dict()
 
     def changes(profile: str) -> dict[str, Any]:
-        usual = _options(Build.profile(profile))
+        usual = Build.profile(profile).as_dict()
         return {option: value for option, value in wanted.items() if value != usual[option]}
 
     name = min(PROFILES, key=lambda name: len(changes(name)))

@@ -97,7 +97,7 @@ class Algorithm:
     )
     suppression: int = option(
         1,
-        f"Peaks of the response are at least R+1 pixels apart in x or in y, 1 to {MAX_SUPPRESSION}; corners, "
+        f"Peaks of the response are at least N+1 pixels apart in x or in y, 1 to {MAX_SUPPRESSION}; corners, "
         "which are refined, may come nearer.",
         low=1,
         high=MAX_SUPPRESSION,

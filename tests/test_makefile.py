@@ -42,8 +42,11 @@ def test_a_variable_that_changes_nothing(arguments: list[str], name: str, allowe
     [
         (
             ["run", "IMAGE=a b.png", "ARGS=--profile robust --sigma1=0.1 Q=1"],
-            'simulate "a b.png" --output build --p',
+            'simulate "a b.png" --output build  --profile robust --sigma1=0.1 Q=1\n',
         ),
+        (["run"], "simulate  --output build --profile robust --profile paper \n"),
+        (["compare", "ARGS=--quick"], "cornerstream compare --quick\n"),
+        (["export"], "cornerstream quartus export --output build/quartus --force \n"),
         (["clean", "BUILD=elsewhere"], "rm -rf elsewhere\n"),
         (["verilog", "PYTHON=python3.11", "CXX=g++ -m64"], "cornerstream verilog -o build/cornerstream.v"),
     ],

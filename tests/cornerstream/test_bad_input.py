@@ -247,6 +247,15 @@ def test_photograph_larger_than_the_built_maximum() -> None:
     check(run("simulate", "--max-width", "300"), "camera", "is 512x512 pixels", "300x1080")
 
 
+def test_waves_are_those_of_one_profile(folder: Path) -> None:
+    before = listing(folder)
+    both = ("--profile", "paper", "--profile", "robust")
+    check(
+        run("simulate", "good.png", "--vcd", "a.vcd", *both), "--profile is paper, robust", "with --vcd: one"
+    )
+    assert listing(folder) == before
+
+
 def test_unknown_command() -> None:
     check(run("detekt"), "No such command 'detekt'")
 

@@ -119,7 +119,8 @@ def test_conversion_is_said_in_a_line() -> None:
     Image.new("RGB", (20, 20), "red").save("colour.png")
     result = run("detect", "colour.png", "--json")
     line = "colour image: converted to grey by BT.601 (0.299 R + 0.587 G + 0.114 B)"
-    assert result.stderr == f"colour.png: {line}\n"
+    said, advice = result.stderr.splitlines()
+    assert said == f"colour.png: {line}" and advice.startswith("robust: no corners: the response is 0")
     assert json.loads(result.stdout)["corners"] == []
 
 
@@ -131,11 +132,11 @@ def test_simulate(image: np.ndarray, stalls: list[str]) -> None:
     assert table("out/corners.csv") == as_table(corners)
     assert Path("out/corners.png").is_file()
     rows = [line.split("│")[1:-1] for line in result.stdout.splitlines() if line.startswith("│")]
-    assert [row[0].strip() for row in rows] == ["0", "1"]
+    assert [(row[0].strip(), row[1].strip()) for row in rows] == [("robust", "0"), ("robust", "1")]
     for row in rows:
-        assert row[1].strip() == f"{WIDTH}x{HEIGHT}" and row[6].strip() == "0"
-        assert (row[3].strip() == "1.000") == (not stalls)
-    assert rows[1][4].strip() == str(corners.accepted.sum())
+        assert row[2].strip() == f"{WIDTH}x{HEIGHT}" and row[7].strip() == "0"
+        assert (row[4].strip() == "1.000") == (not stalls)
+    assert rows[1][5].strip() == str(corners.accepted.sum())
     assert "clocks/s" in result.stdout and "Written: out/corners.csv" in result.stderr
 
 
@@ -144,10 +145,12 @@ def test_waves_are_written_with_a_signal_list() -> None:
     result = run("simulate", "grey.png", "--engine", "amaranth", *SIZE, *options)
     assert Path("waves/w.vcd").stat().st_size > 0
     assert "i__valid" in Path("waves/w.gtkw").read_text()
-    before, written, after = result.stderr.splitlines()
+    before, written, after, advice = result.stderr.splitlines()
     assert before == "Waves of 50 clocks will take up to about 0.9 MB (an estimate)"
     assert "waves/w.vcd, waves/w.gtkw" in written
     assert after == f"Waves: {Path('waves/w.vcd').stat().st_size / 1e6:.1f} MB"
+    # the first frame has none before it
+    assert "since the reference is --constant, which is 8192; try a smaller --constant" in advice
 
 
 def test_mismatches_are_told_and_end_with_code_1(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -158,7 +161,7 @@ def test_mismatches_are_told_and_end_with_code_1(monkeypatch: pytest.MonkeyPatch
     rows = [line.split("│")[-2].strip() for line in result.stdout.splitlines() if line.startswith("│")]
     assert rows == ["2"]
     assert (
-        "Error: hardware and golden model differ: 2 mismatches: 1 wrong, 0 missing, 1 surplus"
+        "Error: hardware and golden model differ with profile robust: 2 mismatches: 1 wrong, 0 missing, 1 surplus"
         in result.stderr
     )
     assert "frame 0, record 3: expected" in result.stderr
@@ -185,3 +188,79 @@ def test_help(command: list[str]) -> None:
 def test_bench() -> None:
     found = json.loads(run("bench", "--no-engines", "--repeats", "1", "--json").stdout)
     assert found["golden"]["frame"] == "1920x1080" and found["golden"]["ratio"] > 0
+
+
+def test_both_profiles_in_one_picture(image: np.ndarray) -> None:
+    result = run("detect", "grey.png", "-o", "out", "--profile", "robust", "--profile", "paper", *BOTH_KINDS)
+    rows = [line.split("│")[1:-1] for line in result.stdout.splitlines() if line.startswith("│")]
+    for name, row in zip(("robust", "paper"), rows, strict=True):
+        corners = detect(image, Parameters.profile(name), SETTINGS)
+        assert table(f"out/corners-{name}.csv") == as_table(corners)
+        accepted = int(corners.accepted.sum())
+        assert [cell.strip() for cell in row[:4]] == [
+            *(name, f"{WIDTH}x{HEIGHT}", str(accepted), str(len(corners) - accepted))
+        ]
+    assert result.stderr == "Written: out/corners-robust.csv, out/corners-paper.csv, out/corners.png\n"
+    run("detect", "grey.png", "-o", "one", *BOTH_KINDS)
+    with Image.open("out/corners.png") as both, Image.open("one/corners.png") as one:
+        assert both.width > 1.9 * one.width
+
+
+def test_simulate_both_profiles(image: np.ndarray) -> None:
+    options = ("--engine", "amaranth", "--frames", "1", "-o", "out", *SIZE)
+    result = run("simulate", "grey.png", "--profile", "paper", "--profile", "robust", *options)
+    rows = [line.split("│")[1:-1] for line in result.stdout.splitlines() if line.startswith("│")]
+    assert [row[0].strip() for row in rows] == ["paper", "robust"]
+    for name in ("paper", "robust"):
+        model = StreamModel(Parameters.profile(name))
+        corners = model.process(image, Settings(report_rejected=True)).corners
+        assert table(f"out/corners-{name}.csv") == as_table(corners)
+    assert Path("out/corners.png").is_file()
+
+
+SQUARE = np.zeros((60, 60), np.uint8)
+SQUARE[20:40, 20:40] = 255
+FIELDS = (np.indices((8, 8)).sum(axis=0) % 2 * 200 + 20).astype(np.uint8)
+BOARD = np.kron(FIELDS, np.ones((13, 13), np.uint8))
+FAINT = (SQUARE // 25 + 90).astype(np.uint8)
+"""A square of 10 steps above its ground."""
+
+
+def advice_on(pixels: np.ndarray, *options: str) -> list[str]:
+    Image.fromarray(pixels).save("drawn.png")
+    return run("detect", "drawn.png", "--json", *options).stderr.splitlines()
+
+
+@pytest.mark.parametrize("pixels", [SQUARE, BOARD])
+def test_most_corners_rejected_is_said(pixels: np.ndarray) -> None:
+    settings = Settings(report_rejected=True)
+    corners = detect(pixels, Parameters.profile("paper", ties="first"), settings)
+    rejected = np.count_nonzero(~corners.accepted)
+    assert rejected > len(corners) / 2
+    told = f"the texture filter rejects {rejected} of {len(corners)} corners"
+    (line,) = advice_on(pixels, "--profile", "paper", "--ties", "first")
+    assert line == f"paper: {told}; try --profile robust, or a larger --sigma2"
+    assert advice_on(pixels) == []
+    # what the line proposes helps
+    assert detect(pixels, settings=settings).accepted.sum() > len(corners) / 2
+
+
+def test_most_corners_rejected_by_the_local_mean_is_said() -> None:
+    (line,) = advice_on(SQUARE, "--texture", "mean", "--sigma2", "1.875")
+    assert line.startswith("robust: the texture filter rejects 4 of 4") and line.endswith(
+        "a smaller --sigma2"
+    )
+
+
+def test_why_there_are_no_corners_is_said() -> None:
+    assert advice_on(np.full((30, 30), 9, np.uint8)) == [
+        "robust: no corners: the response is 0 everywhere: there are no edges, or only straight ones"
+    ]
+    (line,) = advice_on(FAINT)
+    assert "since the reference is never below --floor, which is 1024; try a smaller --floor" in line
+    assert advice_on(FAINT, "--floor", "20") == []
+    (line,) = advice_on(SQUARE, "--reference", "constant", "--constant", "130050", "--sigma1", "0.9")
+    assert line.endswith("since the reference is --constant, which is 130050; try a smaller --constant")
+    # its corners lie between four pixels, whose responses are equal
+    (line,) = advice_on(BOARD, "--profile", "paper")
+    assert line.endswith("of two equal neighbouring responses neither is a corner; try --ties first")

@@ -15,9 +15,26 @@ import pytest
 from PIL import Image
 
 from cornerstream.errors import BadInput
-from cornerstream.files import corners_json, prepare_file, prepare_folder, write_all, write_results
-from cornerstream.picture import ACCEPTED, REJECTED, draw_corners, scale_for
-from golden import Corners, Flag
+from cornerstream.files import (
+    corner_objects,
+    prepare_file,
+    prepare_folder,
+    profiles_json,
+    write_all,
+    write_results,
+)
+from cornerstream.picture import (
+    ACCEPTED,
+    CLAMPED,
+    NOT_MAXIMUM,
+    REJECTED,
+    Panel,
+    draw_corners,
+    draw_panels,
+    scale_for,
+)
+from golden import Corners, Flag, Settings
+from golden.formats import MARGIN
 
 CORNERS = Corners(
     x=np.array([10.5, 20.0078125, 30.0]),
@@ -25,6 +42,7 @@ CORNERS = Corners(
     response=np.array([130050, 7, 400]),
     flags=np.array([0, Flag.CLAMPED | Flag.TEXTURED, Flag.NOT_MAXIMUM], dtype=np.uint8),
 )
+PANEL = Panel("robust", Settings(), CORNERS)
 NO_CORNERS = Corners(*(np.array([], dtype=kind) for kind in (float, float, np.int64, np.uint8)))
 
 
@@ -53,9 +71,9 @@ def test_csv_without_corners_is_its_heading() -> None:
 
 
 def test_json() -> None:
-    found = json.loads(corners_json(CORNERS, width=40))
-    assert found["width"] == 40
-    assert found["corners"][1] == {
+    assert json.loads(profiles_json([{"width": 40}])) == {"width": 40}
+    assert json.loads(profiles_json([{"a": 1}, {"b": 2}])) == {"profiles": [{"a": 1}, {"b": 2}]}
+    assert corner_objects(CORNERS)[1] == {
         "x": 20.0078125,
         "y": 25.9921875,
         "response": 7,
@@ -66,27 +84,79 @@ def test_json() -> None:
 
 
 @pytest.mark.parametrize(
-    ("size", "scale"), [((1920, 1080), 1), ((1000, 20), 1), ((512, 512), 2), ((40, 15), 8), ((166, 150), 7)]
+    ("size", "scale"), [((1920, 1080), 1), ((1000, 20), 1), ((512, 512), 2), ((40, 15), 24), ((166, 150), 7)]
 )
 def test_scale(size: tuple[int, int], scale: int) -> None:
     assert scale_for(*size) == scale
 
 
-def test_picture_shows_both_kinds() -> None:
-    picture = draw_corners(np.full((30, 40), 128, np.uint8), CORNERS)
-    scale = scale_for(40, 30)
-    assert picture.width >= 40 * scale and picture.height > 30 * scale
-    # two rings and one cross, and each once more in the legend
-    assert count(picture, ACCEPTED) > 40 and count(picture, REJECTED) > 20
-    ring = np.asarray(picture)[round(12.5 * scale - 0.5), round(11 * scale - 0.5) + 5]
-    assert np.abs(ring.astype(int) - ACCEPTED).max() < 60
+GREY = np.full((30, 40), 128, np.uint8)
+SCALE = scale_for(40, 30)
+
+
+def test_each_kind_of_corner_has_its_mark() -> None:
+    clamped = Corners(
+        *(np.append(a, b) for a, b in zip(vars(CORNERS).values(), (20, 12, 50, np.uint8(1)), strict=True))
+    )
+    picture = draw_corners(GREY, clamped)
+    assert picture.size == (40 * SCALE, 30 * SCALE)
+    for colour in (ACCEPTED, REJECTED, CLAMPED, NOT_MAXIMUM):
+        assert count(picture, colour) > 10
+    pixels = np.asarray(picture)
+    y, x = (round((value + 0.5) * SCALE - 0.5) for value in (12, 10.5))
+    # the strongest has the largest mark: a ring around its position, which stays clear
+    assert (pixels[y, x] == 128).all()
+    assert min(np.abs(pixels[y, x + 8 : x + SCALE].astype(int) - ACCEPTED).max(axis=-1)) < 60
+
+
+def test_the_stronger_a_corner_the_larger_its_mark_and_the_denser_the_smaller() -> None:
+    def pixels(count: int, responses: list[int]) -> int:
+        x = np.linspace(10, 1990, count)
+        response = np.resize(np.array(responses), count)
+        corners = Corners(x, np.full(count, 50.0), response, np.zeros(count, np.uint8))
+        drawn = np.asarray(draw_corners(np.zeros((100, 2000), np.uint8), corners))
+        return int((drawn == ACCEPTED).all(axis=-1).sum()) // count
+
+    assert pixels(20, [100, 100]) > pixels(20, [100, 10]) > pixels(20, [100, 1])
+    assert pixels(20, [100]) > 1.5 * pixels(400, [100])
+
+
+def test_the_strongest_is_drawn_last() -> None:
+    pair = Corners(*(np.array(column) for column in ([20.0, 20.0], [12.0, 12.0], [9, 9])), np.uint8([0, 1]))
+    weaker = Corners(pair.x, pair.y, np.array([9, 8]), pair.flags)
+    # a ring and a square of one size cross each other: who is on top has all of its pixels
+    assert count(draw_corners(GREY, weaker), ACCEPTED) == count(draw_corners(GREY, weaker[:1]), ACCEPTED)
+    rejected = Corners(pair.x, pair.y, np.array([8, 9]), np.array([0, Flag.TEXTURED], np.uint8))
+    assert count(draw_corners(GREY, rejected), ACCEPTED) == count(draw_corners(GREY, rejected[:1]), ACCEPTED)
+
+
+def test_the_border_without_corners_is_shaded() -> None:
+    drawn = np.asarray(draw_corners(np.full((100, 1200), 200, np.uint8), NO_CORNERS))[..., 0]
+    inner = np.zeros(drawn.shape, bool)
+    inner[MARGIN:-MARGIN, MARGIN:-MARGIN] = True
+    assert (drawn[inner] == 200).all() and (drawn[~inner] == 110).all()
+
+
+def test_panels_are_side_by_side_with_a_legend() -> None:
+    one, two = draw_panels(GREY, [PANEL]), draw_panels(GREY, [PANEL, Panel("paper", Settings(), NO_CORNERS)])
+    assert two.width > 2 * 40 * SCALE and one.width < two.width
+    assert one.height > 30 * SCALE + 60
+    # each mark once more in the legend
+    alone = draw_corners(GREY, CORNERS)
+    for colour in (ACCEPTED, REJECTED, NOT_MAXIMUM):
+        assert count(one, colour) > count(alone, colour)
+    assert count(one, CLAMPED) == count(alone, CLAMPED) == 0
+    # nothing of a panel is cut off where the picture is tiny
+    tiny = draw_panels(np.zeros((15, 15), np.uint8), [PANEL])
+    assert tiny.width >= 15 * 24
 
 
 def test_picture_is_the_photograph_where_nothing_is_drawn() -> None:
     random = np.random.default_rng(1)
     photo = random.integers(0, 256, (200, 1200), dtype=np.uint8)
-    drawn = np.asarray(draw_corners(photo, NO_CORNERS))[:200, :1200]
-    assert (drawn == photo[..., None]).all()
+    drawn = np.asarray(draw_corners(photo, NO_CORNERS))
+    inner = np.s_[MARGIN:-MARGIN, MARGIN:-MARGIN]
+    assert drawn.shape == (200, 1200, 3) and (drawn[inner] == photo[inner][..., None]).all()
 
 
 def test_marks_at_the_edges_are_cut_off() -> None:
@@ -100,12 +170,19 @@ def test_marks_at_the_edges_are_cut_off() -> None:
 
 
 def test_results_are_written(tmp_path: Path) -> None:
-    paths = write_results(tmp_path, np.zeros((30, 40), np.uint8), CORNERS)
+    paths = write_results(tmp_path, np.zeros((30, 40), np.uint8), [PANEL])
     assert [path.name for path in paths] == ["corners.csv", "corners.png"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["corners.csv", "corners.png"]
     assert paths[0].read_text() == CORNERS.to_csv()
     with Image.open(paths[1]) as picture:
         assert picture.mode == "RGB"
+
+
+def test_results_of_two_profiles(tmp_path: Path) -> None:
+    panels = [PANEL, Panel("paper", Settings(), CORNERS[:1])]
+    paths = write_results(tmp_path, np.zeros((30, 40), np.uint8), panels)
+    assert [path.name for path in paths] == ["corners-robust.csv", "corners-paper.csv", "corners.png"]
+    assert [path.read_text() for path in paths[:2]] == [panel.corners.to_csv() for panel in panels]
 
 
 def test_files_have_the_usual_permissions(tmp_path: Path) -> None:

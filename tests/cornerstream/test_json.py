@@ -71,6 +71,17 @@ def test_detect(image: np.ndarray, name: str) -> None:
     assert (found["width"], found["height"], found["min_distance"]) == (WIDTH, HEIGHT, 0)
 
 
+def test_several_profiles(image: np.ndarray) -> None:
+    both = ("--profile", "paper", "--profile", "robust", "--profile", "paper")
+    found = run("detect", "grey.png", "--json", *both, *SIZE)
+    assert set(found) == {"profiles"} and "`profiles`" in PAGE
+    alone = [run("detect", "grey.png", "--json", "--profile", name, *SIZE) for name in ("paper", "robust")]
+    assert found["profiles"] == alone
+    simulated = run("simulate", "grey.png", "--json", "--engine", "amaranth", "--frames", "1", *both, *SIZE)
+    assert [each["profile"] for each in simulated["profiles"]] == ["paper", "robust"]
+    assert all(set(each) == BOTH | SIMULATE for each in simulated["profiles"])
+
+
 def test_simulate(image: np.ndarray) -> None:
     options = ("--engine", "amaranth", "--sigma1", "0.01", "-o", "out", *SIZE)
     stalls = ("--stall-input", "0.1", "--seed", "3")

@@ -1,0 +1,61 @@
+"""Why there are few corners, or none, and which option changes that: one line for the user."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from golden import Corners, Parameters, Settings
+
+
+def advice(
+    profile: str,
+    parameters: Parameters,
+    settings: Settings,
+    corners: Corners,
+    *,
+    largest: int,
+    reference: int,
+    t1: int,
+) -> str | None:
+    """A line where there are no corners, or where the texture filter rejects most of them; None
+    where all is well.
+
+    Parameters
+    ----------
+    profile, parameters, settings
+        What the corners were found with; rejected corners are among them.
+    corners
+        Those of one frame.
+    largest, reference, t1
+        The largest response of that frame where a corner can be; and the reference and the
+        threshold T1 that it was compared with.
+    """
+    accepted = int(np.count_nonzero(corners.accepted))
+    rejected = len(corners) - accepted
+    if rejected > accepted:
+        return f"{profile}: the texture filter rejects {rejected} of {len(corners)} corners; {_remedy(parameters)}"
+    if len(corners):
+        return None
+    if largest == 0:
+        return (
+            f"{profile}: no corners: the response is 0 everywhere: there are no edges, or only straight ones"
+        )
+    why = f"{profile}: no corners: the largest response is {largest}, and T1 is {t1}"
+    if largest > t1:
+        # such as between the squares of a drawn chessboard, which lies between four pixels
+        strict = parameters.algorithm.ties == "strict"
+        ties = "of two equal neighbouring responses neither is a corner; try --ties first"
+        return f"{why}; {ties if strict else 'no peak of the response is above T1'}"
+    if reference == settings.floor:
+        return (
+            f"{why}, since the reference is never below --floor, which is {reference}; try a smaller --floor"
+        )
+    if reference == settings.constant:
+        return f"{why}, since the reference is --constant, which is {reference}; try a smaller --constant"
+    return f"{why}; try a smaller --sigma1, which is {settings.sigma1:g}"
+
+
+def _remedy(parameters: Parameters) -> str:
+    if parameters.algorithm.texture == "mean":
+        return "try a smaller --sigma2"
+    return "try --profile robust, or a larger --sigma2"
