@@ -246,10 +246,9 @@ def test_most_corners_rejected_is_said(pixels: np.ndarray) -> None:
 
 
 def test_most_corners_rejected_by_the_local_mean_is_said() -> None:
-    (line,) = advice_on(SQUARE, "--texture", "mean", "--sigma2", "1.875")
-    assert line.startswith("robust: the texture filter rejects 4 of 4") and line.endswith(
-        "a smaller --sigma2"
-    )
+    (line,) = run("detect", "grey.png", "--json", "--sigma2", "1.875").stderr.splitlines()
+    assert line == "robust: the texture filter rejects 4 of 6 corners; try a smaller --sigma2"
+    assert run("detect", "grey.png", "--json", "--sigma2", "0.5").stderr == ""
 
 
 def test_why_there_are_no_corners_is_said() -> None:
