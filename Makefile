@@ -71,13 +71,13 @@ compare: | $(SYNTH)  ## every figure of docs/results/comparison.md, measured ane
 	$(BIN)/cornerstream compare $(ARGS)
 
 test: lint  ## ruff, mypy and all tests; options for pytest in ARGS=
-	$(BIN)/python -m pytest -n auto --dist worksteal $(ARGS)
+	$(BIN)/python -m pytest -n auto --dist worksteal --durations=10 $(ARGS)
 
 lowest: $(LOWEST)/.installed  ## tests with the lowest versions that pyproject.toml allows, in an environment of their own
 	$(LOWEST_BIN)/python -m pytest -n auto $(LOWEST_TESTS) $(ARGS)
 
-verify: | $(TEST)  ## the emitted Verilog by others' bus models, at length, and the long proofs: a quarter of an hour
-	$(BIN)/python -m pytest -m verify -n auto --dist loadgroup $(ARGS)
+verify: | $(TEST)  ## what `make test` leaves out: more builds, bus models at length, long proofs: a quarter of an hour
+	$(BIN)/python -m pytest -m verify -n auto --dist loadgroup --durations=10 $(ARGS)
 
 formal: | $(FORMAL)  ## every proof of docs/explanation/formal.md, with its covers and seeded faults: some minutes
 	$(BIN)/python -m pytest -n auto -m "verify or not verify" tests/formal $(ARGS)

@@ -23,6 +23,8 @@ from sim.tools import run
 _NAMES = ("c++", "g++", "clang++")
 _FLAGS = ("-std=c++17", "-O2", "-DNDEBUG", "-DCXXRTL_NDEBUG", "-fPIC", "-fvisibility=hidden", "-w")
 """-O2: with g++, -O1 halves the speed and -O3 costs a sixth of it; zig makes no difference."""
+FLAGS_VARIABLE = "CXXFLAGS"
+"""Names further flags, which come after ours."""
 _ERROR_LINES = 8
 
 
@@ -109,11 +111,19 @@ def package_text(name: str) -> str:
     return (importlib.resources.files("sim") / name).read_text(encoding="utf-8")
 
 
+def _flags() -> tuple[str, ...]:
+    value = os.environ.get(FLAGS_VARIABLE, "")
+    try:
+        return (*_FLAGS, *shlex.split(value))
+    except ValueError as error:
+        raise CompilationError(f"${FLAGS_VARIABLE} is {value!r}: {error}; allowed: flags") from None
+
+
 def _key(compiler: Compiler, files: dict[str, str], extra: str) -> str:
     digest = hashlib.sha256()
     # The C library is a part of the result: a cache may be mounted on machines that differ in it.
     parts = [shlex.join(compiler.command), compiler.label, platform.machine(), *platform.libc_ver(), extra]
-    parts += [shlex.join(_FLAGS), *(part for item in sorted(files.items()) for part in item)]
+    parts += [shlex.join(_flags()), *(part for item in sorted(files.items()) for part in item)]
     for part in parts:
         digest.update(f"{len(part)}:".encode())
         digest.update(part.encode())
@@ -175,7 +185,7 @@ def build(
         for file, text in files.items():
             (folder / file).write_text(text, encoding="utf-8")
         sources = generate(folder)
-        flags = [*_FLAGS, *kind, *(f"-I{path}" for path in [folder, *includes])]
+        flags = [*_flags(), *kind, *(f"-I{path}" for path in [folder, *includes])]
         output = folder / f"result{suffix}"
         command = [*compiler.command, *flags, *sources, "-o", str(output), *(program or [])]
         run_tool(command, "the C++ compiler", folder)

@@ -30,6 +30,7 @@ from sim.frames import (
     summarize,
 )
 from sim.stimulus import Stalls, Stimulus
+from tests.support.builds import each
 from tests.support.filters import lenient, selective
 from tests.support.photographs import PHOTOGRAPHS, photograph
 from tests.support.strategies import images, sigma2s, sigmas
@@ -68,6 +69,19 @@ MIXTURES = {
     ),
     "robust with budget, suppression": Build.profile("robust", **SMALL, budget=True, suppression=3),
 }
+mixtures = each(
+    "parameters",
+    MIXTURES,
+    # every value of a field is among them
+    quick=(
+        "paper",
+        "robust",
+        "paper lean, six samples, single pixels",
+        "10-bit pixels",
+        "4-bit pixels",
+        "robust with budget, suppression",
+    ),
+)
 STALLS = {
     "none": Stalls(),
     "input": Stalls(inputs=0.5, seed=1),
@@ -116,7 +130,7 @@ def noisy(parameters: Parameters, sizes: list[tuple[int, int]], seed: int = 0) -
     return [(noise(*size, seed + k, parameters), each) for k, size in enumerate(sizes)]
 
 
-@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+@mixtures
 def test_of_these_corners_some_are_accepted_and_some_rejected(parameters: Parameters) -> None:
     """What all comparisons below rest on, with any filter."""
     corners = StreamModel(parameters).process(noise(60, 60, 0, parameters), both_kinds(parameters)).corners
@@ -151,7 +165,7 @@ def test_full_hd_at_the_built_maximum(parameters: Parameters) -> None:
     assert [frame.clocks for frame in result.frames] == [1920 * 1080] * 2
 
 
-@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+@mixtures
 @given(data=st.data())
 @settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 def test_any_images_sizes_and_stalls(parameters: Parameters, data: st.DataObject) -> None:
@@ -177,7 +191,7 @@ def test_any_images_sizes_and_stalls(parameters: Parameters, data: st.DataObject
     run(parameters, frames, stalls)
 
 
-@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+@mixtures
 def test_extremes(parameters: Parameters) -> None:
     """Checkerboards of every small period, flat frames at both ends, noise: the widths hold."""
     full = parameters.pixel_max
@@ -197,7 +211,7 @@ def test_extremes(parameters: Parameters) -> None:
     run(parameters, [(frame, wide_open) for frame in frames])
 
 
-@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+@mixtures
 @pytest.mark.parametrize("size", [(15, 15), (15, 64), (64, 15), (33, 47)])
 def test_one_pixel_per_clock(parameters: Parameters, size: tuple[int, int]) -> None:
     """Back-to-back frames of one size never wait, be it noise with every corner reported."""
@@ -206,7 +220,7 @@ def test_one_pixel_per_clock(parameters: Parameters, size: tuple[int, int]) -> N
     assert [frame.clocks for frame in result.frames] == [size[0] * size[1]] * 5
 
 
-@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+@mixtures
 def test_black_and_white_noise_does_not_wait(parameters: Parameters) -> None:
     """Denser than corners come in nature: one in about 31 pixels, or 50 where responses are
     smoothed.
@@ -245,7 +259,7 @@ def test_a_fine_grid_makes_the_input_wait_and_loses_nothing() -> None:
     assert result.frames[0].clocks == wide.size
 
 
-@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+@mixtures
 @pytest.mark.parametrize("size", [(15, 15), (15, 64), (64, 15), (33, 47)])
 def test_latency_without_corners(parameters: Parameters, size: tuple[int, int]) -> None:
     flat = np.zeros(size, np.uint8 if parameters.pixel_bits <= 8 else np.uint16)

@@ -13,14 +13,16 @@ from hdl.build import Build
 from sim.frames import Frame, frame_stimulus
 from sim.stimulus import Stalls, Stimulus
 from tests.hdl.test_detector import MIXTURES, SMALL, engine, noise, run
+from tests.support.builds import each
 from tests.support.filters import lenient, selective
 
 BUDGETS = {name: parameters for name, parameters in MIXTURES.items() if parameters.budget}
 # the longest way from the last response to the last window
 BUDGETS["robust banked"] = Build.profile("robust", **SMALL, buffering="banked", budget=True)
+budgets = each("parameters", BUDGETS, quick=("robust with budget, suppression",))
 
 
-@pytest.mark.parametrize("parameters", BUDGETS.values(), ids=BUDGETS.keys())
+@budgets
 @pytest.mark.parametrize("size", [(15, 15), (15, 64), (33, 47)])
 def test_adaptation_never_makes_a_frame_wait(parameters: Parameters, size: tuple[int, int]) -> None:
     """The smallest frames without a pause: T1 is there before the next frame needs it."""
@@ -29,7 +31,7 @@ def test_adaptation_never_makes_a_frame_wait(parameters: Parameters, size: tuple
     assert [frame.clocks for frame in result.frames] == [size[0] * size[1]] * 8
 
 
-@pytest.mark.parametrize("parameters", BUDGETS.values(), ids=BUDGETS.keys())
+@budgets
 def test_targets_and_limits_change_from_frame_to_frame(parameters: Parameters) -> None:
     """Each pair of values after each other; black frames and ones full of corners in between.
 
@@ -59,7 +61,7 @@ def test_max_corners_bounds_what_a_dense_frame_costs() -> None:
     assert len(limited.frames[0].records) == 17
 
 
-@pytest.mark.parametrize("parameters", BUDGETS.values(), ids=BUDGETS.keys())
+@budgets
 def test_a_reset_leaves_nothing_in_the_histogram(parameters: Parameters) -> None:
     """Many corners of a broken frame in bins that the next frames fill again."""
     aimed = Settings.default(parameters, sigma2=lenient(parameters), target_corners=5)

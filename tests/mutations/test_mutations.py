@@ -15,6 +15,7 @@ import pytest
 
 from tests.mutations.budget import BUDGET_MUTATIONS
 from tests.mutations.edges import EDGE_MUTATIONS
+from tests.support.builds import each
 
 ROOT = Path(__file__).resolve().parents[2]
 COPIED = ("golden", "hdl", "sim", "tests", "pyproject.toml")
@@ -399,7 +400,11 @@ def test_the_suite_notices(mutation: Mutation, tmp_path: Path) -> None:
     assert any("assert" in reason for reason in reasons), done.stdout
 
 
-@pytest.mark.parametrize("file", sorted({mutation.tests for mutation in MUTATIONS.values()}))
+FILES = {mutation.tests: mutation.tests for mutation in MUTATIONS.values()}
+
+
+# on the sources themselves all of these run anyway
+@each("file", FILES, quick=("tests/golden/test_convolution.py", "tests/hdl/parts/test_queue.py"))
 def test_the_same_tests_pass_on_an_unchanged_copy(file: str, tmp_path: Path) -> None:
     copy_sources(tmp_path)
     choices = {mutation.only for mutation in MUTATIONS.values() if mutation.tests == file}

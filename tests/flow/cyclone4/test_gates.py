@@ -15,7 +15,9 @@ from flow.cyclone4.synthesis import Synthesis, synthesize
 from golden import Settings, StreamModel
 from hdl.build import Buffering, Build
 from hdl.detector import Detector
-from sim import Stalls, compare, compiler, make_engine, simulate_frames, summarize
+from sim import Stalls, compare, make_engine, simulate_frames, summarize
+from sim.compiler import FLAGS_VARIABLE
+from tests.support.builds import each
 from tests.support.photographs import photograph
 
 WIDTH, HEIGHT = 96, 64
@@ -28,12 +30,12 @@ def synthesized(buffering: Buffering) -> Synthesis:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("buffering", ["lean", "banked"])
+@each("buffering", {name: name for name in ("lean", "banked")}, quick=["lean"])
 def test_netlist_is_bit_exact_on_a_photograph(
     buffering: Buffering, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # optimized, so many gates take a minute to compile, and these frames a second
-    monkeypatch.setattr(compiler, "_FLAGS", (*compiler._FLAGS, "-O0"))
+    monkeypatch.setenv(FLAGS_VARIABLE, "-O0")
     synthesis = synthesized(buffering)
     parameters = synthesis.build
     path = tmp_path_factory.mktemp("gates") / "gates.v"

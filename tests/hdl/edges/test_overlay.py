@@ -21,6 +21,7 @@ from sim import Stalls, Stimulus
 from tests.hdl.edges.components import PlainVideoDetector, packets, payloads
 from tests.support.accepted import accepted
 from tests.support.blocks import engine
+from tests.support.builds import each
 from tests.support.filters import lenient, selective
 from tests.support.malformed import random_video
 from tests.support.photographs import photograph
@@ -33,7 +34,7 @@ BUILDS = {
         "robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True, budget=True, suppression=2
     ),
 }
-builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys())
+builds = each("parameters", BUILDS, quick=("banked", "lean"))
 
 
 def video_settings(parameters: Parameters, width: int, height: int, sigma2: float) -> VideoSettings:

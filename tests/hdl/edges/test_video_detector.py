@@ -20,6 +20,7 @@ from sim import Capture, Stalls, Stimulus
 from sim.engine import Engine
 from tests.hdl.edges.components import PlainVideoDetector, packets, payloads
 from tests.support.blocks import engine
+from tests.support.builds import each
 from tests.support.filters import selective
 from tests.support.malformed import Beats, random_video
 from tests.support.photographs import photograph
@@ -44,7 +45,7 @@ STALLS = {
     "input idles": Stalls(0.7, 0, 3),
 }
 
-builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys())
+builds = each("parameters", BUILDS, quick=("paper-banked", "robust-lean", "robust-budget"))
 
 
 def video_settings(parameters: Parameters, image: Image) -> VideoSettings:
@@ -141,21 +142,20 @@ def test_sizes_and_settings_change_from_frame_to_frame(parameters: Parameters, s
 
 
 @pytest.mark.parametrize("pixels", [*range(1, 60, 2), 200, 400])
-def test_a_frame_cut_right_after_a_whole_one(pixels: int) -> None:
+@builds
+def test_a_frame_cut_right_after_a_whole_one(parameters: Parameters, pixels: int) -> None:
     """The frame before is still inside, and comes out whole."""
-    for name in ("paper-banked", "robust-lean", "robust-budget", "paper-budget"):
-        parameters = BUILDS[name]
-        runner = engine("compiled", PlainVideoDetector, parameters)
-        images = [photograph("grass")[k : k + 30, 10:45] for k in (0, 40, 80)]
-        whole, cut, after = (framed(image) for image in images)
-        video = video_settings(parameters, images[0])
-        run(runner, parameters, [(whole + cut[:pixels] + after, video)], Stalls(0, 0.5, pixels))
+    runner = engine("compiled", PlainVideoDetector, parameters)
+    images = [photograph("grass")[k : k + 30, 10:45] for k in (0, 40, 80)]
+    whole, cut, after = (framed(image) for image in images)
+    video = video_settings(parameters, images[0])
+    run(runner, parameters, [(whole + cut[:pixels] + after, video)], Stalls(0, 0.5, pixels))
 
 
-def test_a_stalled_output_stalls_the_input_and_loses_nothing() -> None:
+@builds
+def test_a_stalled_output_stalls_the_input_and_loses_nothing(parameters: Parameters) -> None:
     """Frames as small as can be, of which most are inside at once."""
-    for parameters in BUILDS.values():
-        runner = engine("compiled", PlainVideoDetector, parameters)
-        images = [photograph("text")[k : k + 15, 60:75] for k in range(60)]
-        parts = [(framed(image), video_settings(parameters, image)) for image in images]
-        run(runner, parameters, parts, Stalls(0, 0.99, 6))
+    runner = engine("compiled", PlainVideoDetector, parameters)
+    images = [photograph("text")[k : k + 15, 60:75] for k in range(60)]
+    parts = [(framed(image), video_settings(parameters, image)) for image in images]
+    run(runner, parameters, parts, Stalls(0, 0.99, 6))
