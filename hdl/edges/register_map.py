@@ -103,8 +103,7 @@ def _control(build: Build) -> tuple[Register, ...]:
                     "reset",
                     RESET_BIT,
                     1,
-                    "Write 1 to cut the frame under way, forget the last one and count frames from 0. "
-                    "It reads 1 until that is done.",
+                    "Write 1 to cut the frame under way and forget all frames before. It reads 1 until that is done.",
                 ),
                 Field(
                     "use_reference_init",
@@ -173,7 +172,7 @@ def _thresholds(build: Build) -> tuple[Register, ...]:
             "SIGMA1",
             0x20,
             "rw",
-            f"Corner threshold: the {reported_response(build)} of a corner is above SIGMA1 times the reference.",
+            f"A corner's {reported_response(build)} exceeds SIGMA1 times the reference.",
             SIGMA_BITS,
             f"{FRACTION}.",
             settings.sigma1_fixed,
@@ -284,14 +283,13 @@ def _budget(build: Build) -> tuple[Register, ...]:
             "REFERENCE",
             0x3C,
             "rw",
-            "The reference by rank, in place of the largest response, and smoothing over frames.",
+            "The reference by rank, where there is no target, and smoothing over frames.",
             (
                 Field(
                     "reference_rank",
                     0,
                     BUDGET_BITS,
-                    "The reference is the response that so many corners of the last frame exceed; "
-                    "with 0 the largest. A target takes precedence.",
+                    "With N, the response that N corners of the last frame exceed is the reference; 0: the largest.",
                 ),
                 Field(
                     "smoothing",

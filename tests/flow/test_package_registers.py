@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from dataclasses import fields
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -19,8 +18,9 @@ from flow.package.driver import Map, Registers
 from flow.package.registers import driver_source, is_command, svd
 from golden import Parameters
 from golden.algorithm import Algorithm
+from golden.options import options
 from hdl.build import Build
-from hdl.edges.capability import OPTIONS
+from hdl.edges.capability import OPTIONS, capability
 from hdl.edges.register import ADDRESS_BITS
 from hdl.edges.register_map import register_map
 
@@ -263,9 +263,10 @@ def test_the_limits_of_records_are_said_alike() -> None:
 
 def test_every_option_of_the_algorithm_is_in_capability() -> None:
     """What decides records can be read from a core, if not by a bit then by a number."""
-    said = {option for _, _, option, _, _ in OPTIONS}
-    assert said | {"suppression"} >= {field.name for field in fields(Algorithm)}
-    assert said <= set(Build().as_dict())
+    by_bit = {option for _, _, option, _, _ in OPTIONS}
+    by_number = {field.name for field in capability(Build()).fields} - {name for _, name, *_ in OPTIONS}
+    assert by_bit | by_number >= set(options(Algorithm))
+    assert by_bit <= set(Build().as_dict())
 
 
 def test_options_are_in_the_map_where_they_are_built_and_nowhere_else() -> None:
