@@ -12,7 +12,7 @@ from amaranth.lib.wiring import In, Out
 from golden.convolution import SHIFT
 from golden.formats import SMOOTHING_SIZE
 from golden.parameters import Parameters
-from hdl.parts.square_table import SquareTable
+from hdl.gradient_squares import GradientSquares
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.preprocessing import sizes_layout
 
@@ -105,15 +105,11 @@ class Convolution(wiring.Component):
     def __init__(self, parameters: Parameters) -> None:
         self._signed = parameters.algorithm.gradient == "signed"
         self._bits = parameters.product_bits
-        bits = parameters.pixel_bits
-        self._gradient_tables = [SquareTable(bits) for _ in range(SMOOTHING_SIZE)]
-        # two rows' differences share a table, so one port stays free
-        self._difference_tables = [
-            SquareTable(bits + 1 if self._signed else bits) for _ in range(0, SMOOTHING_SIZE, 2)
-        ]
+        sizes = sizes_layout(parameters)
+        self._squares = GradientSquares(sizes, SMOOTHING_SIZE)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(sizes_layout(parameters), SMOOTHING_SIZE))),
+                "i": In(stream.Signature(Columns(sizes, SMOOTHING_SIZE))),
                 "o": Out(stream.Signature(Beat(products_layout(parameters)))),
             }
         )
@@ -121,23 +117,19 @@ class Convolution(wiring.Component):
     @property
     def latency(self) -> int:
         """Signed products round on either side of zero, which takes a clock of its own."""
-        return SquareTable.latency + ConvolutionUnit.latency + self._signed
+        return GradientSquares.latency + ConvolutionUnit.latency + self._signed
 
     @property
     def memory_bits(self) -> int:
-        return sum(table.memory_bits for table in self._tables)
-
-    @property
-    def _tables(self) -> list[SquareTable]:
-        return [*self._gradient_tables, *self._difference_tables]
+        return self._squares.memory_bits
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, SMOOTHING_SIZE, step=step, eol=self.i.payload.eol)
-        beat = pipe.delay(pipe.valid, SquareTable.latency + 2, "beat", reset=True)
-        squares = self._look_up(m, pipe)
+        beat = pipe.delay(pipe.valid, GradientSquares.latency + 2, "beat", reset=True)
+        squares = self._squares.look_up(m, pipe, self.i.payload.data, LATE_ROWS)
 
         def total(name: str, half: bool) -> Value:
             return ConvolutionUnit(pipe, squares[name], beat, name, half=half).total
@@ -154,27 +146,6 @@ class Convolution(wiring.Component):
             self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
         ]
         return m
-
-    def _look_up(self, m: Module, pipe: Pipeline) -> dict[str, list[Value]]:
-        """Squares by channel and row. A row's gradients share a table, and so do the differences of
-        two rows.
-        """
-        for k, table in enumerate(self._tables):
-            m.submodules[f"table_{k}"] = table
-            m.d.comb += table.enable.eq(pipe.advance)
-        squares: dict[str, list[Value]] = {"a": [], "b": [], "d": []}
-        for row in range(SMOOTHING_SIZE):
-            sizes = self.i.payload.data[row]
-            gradients, differences = self._gradient_tables[row], self._difference_tables[row // 2]
-            for channel, number, table, port in (
-                ("a", sizes.gx, gradients, 0),
-                ("b", sizes.gy, gradients, 1),
-                ("d", sizes.difference, differences, row % 2),
-            ):
-                late = pipe.delay(number, int(row in LATE_ROWS), f"{channel}_late_{row}")
-                m.d.comb += table.x[port].eq(late)
-                squares[channel].append(Value.cast(table.square[port]))
-        return squares
 
     @staticmethod
     def _cross(a: Value, b: Value, d: Value) -> Value:

@@ -15,8 +15,8 @@ from golden.derivatives import Derivatives
 from golden.normal_equations import LARGEST, STEP_SIZE
 from golden.parameters import Parameters
 from hdl.derivatives import Format, layout
+from hdl.gradient_squares import GradientSquares
 from hdl.parts.outgoing_column import outgoing_column
-from hdl.parts.square_table import SquareTable
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 from hdl.preprocessing import sizes_layout
 
@@ -24,7 +24,7 @@ REACH = STEP_SIZE // 2
 _SUM, _MOMENT = Format(0, STEP_SIZE**2), Format(0, LARGEST)
 FORMATS = Derivatives(_SUM, _SUM, _SUM, _MOMENT, _MOMENT)
 """Of the five sums, in full products."""
-COLUMN_LATENCY = SquareTable.latency + 4
+COLUMN_LATENCY = GradientSquares.latency + 4
 """Look-up, pairs of rows, pairs of pairs, sum over them, C out of A, B and D."""
 
 
@@ -83,9 +83,7 @@ class NormalEquations(wiring.Component):
 
     def __init__(self, parameters: Parameters) -> None:
         self._layout = layout(FORMATS, parameters.product_max)
-        self._gradient_tables = [SquareTable(parameters.pixel_bits) for _ in range(STEP_SIZE)]
-        # two rows' differences share a table, so one port stays free
-        self._difference_tables = [SquareTable(parameters.pixel_bits + 1) for _ in range(0, STEP_SIZE, 2)]
+        self._squares = GradientSquares(signed_sizes(parameters), STEP_SIZE)
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(signed_sizes(parameters), STEP_SIZE))),
@@ -95,37 +93,19 @@ class NormalEquations(wiring.Component):
 
     @property
     def memory_bits(self) -> int:
-        return sum(table.memory_bits for table in (*self._gradient_tables, *self._difference_tables))
+        return self._squares.memory_bits
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, STEP_SIZE, step=step, eol=self.i.payload.eol)
-        column = self._column(pipe, self._look_up(m, pipe))
+        column = self._column(pipe, self._squares.look_up(m, pipe, self.i.payload.data))
         for name, value in self._along_row(m, pipe, column).items():
             m.d.comb += self.o.payload[name].eq(value)
         complete = pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)
         m.d.comb += self.o.valid.eq(complete)
         return m
-
-    def _look_up(self, m: Module, pipe: Pipeline) -> dict[str, list[Value]]:
-        """Squares by channel and row, from the top."""
-        for k, table in enumerate((*self._gradient_tables, *self._difference_tables)):
-            m.submodules[f"table_{k}"] = table
-            m.d.comb += table.enable.eq(pipe.advance)
-        squares: dict[str, list[Value]] = {"a": [], "b": [], "d": []}
-        for row in range(STEP_SIZE):
-            sizes = self.i.payload.data[row]
-            gradients, differences = self._gradient_tables[row], self._difference_tables[row // 2]
-            for channel, number, table, port in (
-                ("a", sizes.gx, gradients, 0),
-                ("b", sizes.gy, gradients, 1),
-                ("d", sizes.difference, differences, row % 2),
-            ):
-                m.d.comb += table.x[port].eq(number)
-                squares[channel].append(Value.cast(table.square[port]))
-        return squares
 
     @staticmethod
     def _column(pipe: Pipeline, squares: dict[str, list[Value]]) -> _Column:

@@ -1,0 +1,69 @@
+# amaranth: UnusedElaboratable=no
+"""Squares of a column's gradients and of their differences, looked up in tables: what products are
+made of.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module, Value
+from amaranth.lib import data
+
+from hdl.parts.square_table import SquareTable
+from hdl.parts.stream import Pipeline
+
+
+class GradientSquares:
+    """Tables for so many rows of sizes. The gradients of a row share one; so do the differences of
+    two rows, and where the number of rows is odd one port stays free.
+
+    With a, b and d the squares of gx, gy and their difference, gx·gy = (a + b - d) / 2.
+
+    Parameters
+    ----------
+    sizes
+        Layout of a row: see :func:`hdl.preprocessing.sizes_layout`.
+    rows
+        How many there are.
+    """
+
+    latency = SquareTable.latency
+
+    def __init__(self, sizes: data.StructLayout, rows: int) -> None:
+        self._gradients = [SquareTable(sizes["gx"].width) for _ in range(rows)]
+        self._differences = [SquareTable(sizes["difference"].width) for _ in range(0, rows, 2)]
+
+    @property
+    def memory_bits(self) -> int:
+        return sum(table.memory_bits for table in (*self._gradients, *self._differences))
+
+    def look_up(
+        self, m: Module, pipe: Pipeline, column: Any, late: tuple[int, ...] = ()
+    ) -> dict[str, list[Value]]:
+        """a, b and d by channel and row, from the top.
+
+        Parameters
+        ----------
+        m, pipe
+            The block whose part this is. Adds the tables to the module.
+        column
+            A row's sizes by its number.
+        late
+            Rows that are looked up a clock later than the others.
+        """
+        for k, table in enumerate((*self._gradients, *self._differences)):
+            m.submodules[f"table_{k}"] = table
+            m.d.comb += table.enable.eq(pipe.advance)
+        squares: dict[str, list[Value]] = {"a": [], "b": [], "d": []}
+        for row, gradients in enumerate(self._gradients):
+            sizes, differences = column[row], self._differences[row // 2]
+            for channel, number, table, port in (
+                ("a", sizes.gx, gradients, 0),
+                ("b", sizes.gy, gradients, 1),
+                ("d", sizes.difference, differences, row % 2),
+            ):
+                size = pipe.delay(number, int(row in late), f"{channel}_late_{row}")
+                m.d.comb += table.x[port].eq(size)
+                squares[channel].append(Value.cast(table.square[port]))
+        return squares
