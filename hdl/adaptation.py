@@ -37,7 +37,7 @@ def aim_layout() -> data.StructLayout:
 
 
 class Adaptation(wiring.Component):
-    """Counts a frame's corners by their D, and works out which D the number aimed at exceed.
+    """Counts a frame's corners by their D, and finds the D that the number aimed at exceeds.
 
     One block RAM holds the histogram. The corners of a row are two clocks apart at least; where the
     second falls into the bin of the first, it takes the sum that is on its way back. After a
@@ -45,7 +45,8 @@ class Adaptation(wiring.Component):
     on the same way: both are done before the next frame has responses. The bin that reaches the
     target stays where it was compared, and three more comparisons make the place in it.
 
-    Reading begins by itself after reset, which clears the histogram; T1 then is what ``history`` says.
+    After reset, reading begins by itself, which clears the histogram; T1 is then what ``history``
+    says.
 
     Parameters
     ----------
@@ -125,7 +126,7 @@ class Adaptation(wiring.Component):
         return m
 
     def _smoothed(self, m: Module, read_off: Value, smoothing: Signal) -> Signal:
-        """A part of the way from what was adapted for the frame before, ``SMOOTHING_CLOCKS`` later."""
+        """A part of the way from the value for the frame before, ``SMOOTHING_CLOCKS`` later."""
         way, result = (
             Signal(signed(self._parameters.response_bits + 1)),
             Signal(self._parameters.response_bits),
@@ -137,7 +138,7 @@ class Adaptation(wiring.Component):
         return result
 
     def _bin(self, response: Value) -> Value:
-        """The number of a response's bin: exponent and two bits of mantissa, but for the smallest."""
+        """The number of a response's bin: exponent and two bits of mantissa, if not too small."""
         top = octaves(self._parameters) + 2
         u = response[len(response) - top :]
         number: Value = u[:2]

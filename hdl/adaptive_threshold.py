@@ -23,10 +23,10 @@ class AdaptiveThreshold(wiring.Component):
     """F: is T = S - sigma2 · L of a 9x9 window above T1? In place of
     :class:`hdl.texture_filter.TextureFilter`.
 
-    The sum over the window is kept up to date: a new column's sum comes in, that of nine columns
-    before goes out. That holds across ends of rows too, where windows are not complete and nothing is
-    delivered; so it starts from 0 at reset and never again. Columns before the first after reset
-    count as 0.
+    The sum over the window follows the columns: a new column's sum is added, that of nine columns
+    before is subtracted. That holds across ends of rows too, where windows are not complete and
+    nothing is delivered; so it starts from 0 at reset and never again. Columns before the first one
+    after reset count as 0.
 
         clocks 1, 2   sum down the column: of three and three rows, of these
         clock 3       sum over the window; S of its centre
@@ -126,7 +126,7 @@ class AdaptiveThreshold(wiring.Component):
 
 
 def _times(value: Value, weight: Value) -> Value:
-    """A product out of one adder less than ``weight`` has bits, two and two at a time."""
+    """A product: one shifted value for each bit of ``weight``, added in pairs."""
     parts = [(value & bit.replicate(len(value))) << k for k, bit in enumerate(weight)]
     while len(parts) > 1:
         parts = [a + b for a, b in zip(parts[::2], parts[1::2], strict=True)]

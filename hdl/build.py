@@ -32,7 +32,7 @@ class Build(Parameters):
         Corners that can wait for the subpixel refinement, 8 to 1024, before the input has to.
         Hardware only: changes delays, never a record.
     video_out
-        Pass the pixels on, with a mark where a corner is. Hardware only; takes 7 rows of block RAM
+        Pass the pixels on, with a corner flag. Hardware only; takes 7 rows of block RAM
         (``"lean"``) or 9.
     autostart
         Start enabled, with the settings of ``Settings.default`` and the largest frame, where nobody

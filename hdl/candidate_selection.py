@@ -25,7 +25,7 @@ PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
 
 
 def pending_record_layout(parameters: Parameters) -> data.StructLayout:
-    """What a record needs besides the offset; ``end`` marks the end of a frame instead of a corner.
+    """What a record needs besides the offset. With ``end`` it is the end of a frame, not a corner.
 
     The response of an end is the frame's largest. With ``budget`` its x and y are, side by side,
     the number of corners that the frame had.
@@ -42,18 +42,18 @@ def pending_record_layout(parameters: Parameters) -> data.StructLayout:
 
 
 def corner_flag_layout() -> data.StructLayout:
-    """Of a window: is its centre an accepted corner; and is it the last of its row, of its frame."""
+    """Is a window's centre an accepted corner; is the window the last of its row, of its frame."""
     return data.StructLayout({"corner": 1, "eol": 1, "eof": 1})
 
 
 CORNER_FLAGS = 16
-"""Corner flags that can wait: more than come before whoever takes them can hold them up."""
+"""Corner flags that can wait: more than can come before their sink holds them up."""
 INSIDE = 4
 """Candidates inside the subpixel refinement and at its end: their pending records wait too."""
 
 
 class CandidateSelection(wiring.Component):
-    """Lets pass the window centres that are reported: corners that the texture filter keeps.
+    """Selects the window centres that are reported: corners that the texture filter accepts.
 
     Every candidate goes out twice: its derivatives to the subpixel refinement, and a pending record
     of the rest to the output constructor. Each frame is closed by one more pending record, with
@@ -63,8 +63,8 @@ class CandidateSelection(wiring.Component):
     A frame's largest response is that of the window centres, so that no pixel decides about
     thresholds at which there can be no corner.
 
-    With ``budget`` none is picked of a frame after ``max_corners`` that the texture filter keeps,
-    unless that is 0; all are counted.
+    With ``budget``, once a frame has had ``max_corners`` that the texture filter accepts, no more
+    of its corners are picked; 0 is no limit. All are counted.
 
     Members
     -------

@@ -1,6 +1,4 @@
-"""The pixel at the centre of each response, which goes along with it to where the gradient step
-needs it.
-"""
+"""The pixel at the centre of each response, which rides along with it to the gradient step."""
 
 from __future__ import annotations
 

@@ -18,8 +18,8 @@ _LATE = WINDOW_SIZE // 2 - 1
 
 
 def centre_size(parameters: Parameters) -> int:
-    """Rows around each centre, itself included, of the responses whose peaks are corners: three of
-    D; of smoothed ones as many as the suppression needs.
+    """Rows of responses that the centre rows have, the centre's own included: three of D, or as
+    many smoothed ones as the suppression needs.
     """
     smoothed = parameters.algorithm.response_filter == "binomial"
     return 2 * parameters.algorithm.suppression + 1 if smoothed else 3

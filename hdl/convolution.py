@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Convolution (Eq. 1): squares out of tables, smoothed by the separable 5x5 kernel out of adders."""
+"""Convolution (Eq. 1): squares from tables, smoothed by the separable 5x5 kernel of adders."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ConvolutionUnit:
     Parameters
     ----------
     pipe
-        Where it is a part of.
+        The pipeline of the block that this is a part of.
     rows
         Five unsigned values of one width; the middle three come a clock after the others.
     beat

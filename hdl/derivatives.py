@@ -1,4 +1,4 @@
-"""Formats of the five numbers from which a candidate's offset is found; see ``golden.derivatives``."""
+"""Formats of the five numbers that give a candidate's offset; see ``golden.derivatives``."""
 
 from __future__ import annotations
 

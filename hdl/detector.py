@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""The whole detector, wired as the paper's Fig. 9."""
+"""The whole detector: the blocks of the paper's Fig. 9 in three stages."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from hdl.window_stage import WindowStage
 class Detector(wiring.Component):
     """Corners out of a stream of pixels, one pixel per clock, without blanking.
 
-        pixels ─ response stage ─ samples ─ window stage ─┬ candidates ──────┬─ record stage ─ records
-                                └ limits ───┘             └ pending records ─┘
+        pixels ─ response stage ┬ samples ┬ window stage ┬ candidates ──────┬ record stage ─ records
+                                └ limits ─┘              └ pending records ─┘
 
     A sample is a response and what rides along with it; limits are a frame's thresholds. The window
     stage tells the response stage each frame's largest response, from which the next frame's
@@ -39,7 +39,8 @@ class Detector(wiring.Component):
     Parameters
     ----------
     parameters
-        What to build. ``ValueError`` for ``fit="printed"``, which exists in the golden model only.
+        What to build. Raises ``ValueError`` for ``fit="printed"``, which exists in the golden model
+        only.
 
     Members
     -------
@@ -58,8 +59,8 @@ class Detector(wiring.Component):
         Stream of ``record_layout()``: the frame's corners in raster order, then its end-of-frame
         record.
     corner_flags
-        With ``video_out`` only: stream of ``corner_flag_layout()``, one for each pixel that can be a
-        corner.
+        With ``video_out`` only: stream of ``corner_flag_layout()``, one for each pixel that can be
+        a corner.
     found
         With ``budget`` only: corners of the frame whose end-of-frame record is on offer, not only
         those reported.

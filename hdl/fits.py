@@ -17,7 +17,7 @@ FITS: dict[Fit, EquationsBlock] = {"nine": SurfaceFit, "six": SurfaceFit, "gradi
 
 
 def equations_block(parameters: Parameters) -> EquationsBlock:
-    """``ValueError`` for a fit that exists in the golden model only."""
+    """The block of this fit. Raises ``ValueError`` for one that only the golden model has."""
     fit = parameters.algorithm.fit
     if fit not in FITS:
         raise ValueError(f"fit is {fit!r}; allowed in hardware: {', '.join(FITS)}")
@@ -25,6 +25,6 @@ def equations_block(parameters: Parameters) -> EquationsBlock:
 
 
 def derivatives_layout(parameters: Parameters) -> data.StructLayout:
-    """The five numbers as the detector's block delivers them: see :func:`hdl.derivatives.layout`."""
+    """The five numbers as this fit's block delivers them; see :func:`hdl.derivatives.layout`."""
     block = equations_block(parameters)
     return layout(block.formats(parameters), block.unit(parameters))

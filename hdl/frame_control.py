@@ -1,5 +1,5 @@
-"""Frame control: marks rows and frames in the stream of pixels, and latches what each frame is
-processed with.
+"""Frame control: adds framing (ends of rows and frames) to the stream of pixels, and samples each
+frame's settings.
 """
 
 from __future__ import annotations

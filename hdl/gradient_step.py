@@ -19,16 +19,16 @@ from hdl.sample import sample_layout
 
 
 class GradientStep(wiring.Component):
-    """Normal equations of the 9x9 pixels of which a column is the last; the place of the surface
-    fit.
+    """Normal equations of the 9x9 pixels whose last column is the newest one. It takes the place of
+    the surface fit.
 
     Members
     -------
     i
         Stream of ``Columns(sample_layout(parameters), 9)``, of which it reads the pixels.
     o
-        Stream of derivatives in their :meth:`formats`, one for every column but the first eight of a
-        row.
+        Stream of derivatives in their :meth:`formats`, one for every column but the first eight of
+        a row.
     """
 
     reads = "columns"
@@ -48,7 +48,7 @@ class GradientStep(wiring.Component):
 
     @staticmethod
     def formats(parameters: Parameters) -> Formats:
-        """Of the sums, in units of :meth:`unit`."""
+        """Formats of the sums, in units of :meth:`unit`."""
         return FORMATS
 
     @staticmethod

@@ -23,7 +23,7 @@ from hdl.preprocessing import sizes_layout
 REACH = STEP_SIZE // 2
 _SUM, _MOMENT = Format(0, STEP_SIZE**2), Format(0, LARGEST)
 FORMATS = Derivatives(_SUM, _SUM, _SUM, _MOMENT, _MOMENT)
-"""Of the five sums, in full products."""
+"""Formats of the five sums, in full products."""
 COLUMN_LATENCY = GradientSquares.latency + 4
 """Look-up, pairs of rows, pairs of pairs, sum over them, C out of A, B and D."""
 
@@ -59,9 +59,10 @@ class NormalEquations(wiring.Component):
         clock 5   their sums S, and V = Σ v·square
         clock 6   of C: S and V of a + b - d, halved
 
-    Along the row the sums are kept up to date: what a new column adds comes in, what the one seven
-    columns before it added leaves. With S the sum of a column's A, the part of x that A makes
-    shrinks by the whole window's S, as each column that stays is one place further to the left:
+    Along the row the sums follow the columns: what a new column adds is added, what the one seven
+    columns before it added is subtracted. With S the sum of a column's A, the part of x that A
+    makes shrinks by the whole window's S, as each column that stays is one place further to the
+    left:
 
         Σ A          grows by S(new) - S(old)
         Σ (u·S + V)  grows by 3 S(new) + V(new) + 4 S(old) - V(old) - Σ A, the sum as it was
@@ -122,9 +123,7 @@ class NormalEquations(wiring.Component):
         )
 
     def _along_row(self, m: Module, pipe: Pipeline, column: _Column) -> dict[str, Value]:
-        """The five sums over the window, kept up to date; the minus of xy is part of the
-        differences' order.
-        """
+        """The five sums over the window. The minus of xy is in the order of its differences."""
         width = {name: field.width for name, field in self._layout}
         beats = [pipe.delay(pipe.valid, COLUMN_LATENCY, "beat", reset=True)]
         for k in range(3):

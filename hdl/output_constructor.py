@@ -32,7 +32,8 @@ class OutputConstructor(wiring.Component):
     pending
         Stream of ``pending_record_layout(parameters)``.
     offset
-        Stream of ``offset_layout(parameters.algorithm.fit)``, one for each pending record but an end.
+        Stream of ``offset_layout(parameters.algorithm.fit)``, one for each pending record except
+        ends.
     o
         Stream of ``record_layout()``.
     found

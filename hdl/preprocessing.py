@@ -20,7 +20,8 @@ PIXEL_ROWS = SMOOTHING_SIZE + 2
 
 
 def sizes_layout(parameters: Parameters) -> data.StructLayout:
-    """|gx|, |gy|, and the size of the difference of these, or, where gradients have a sign, of gx and gy.
+    """|gx|, |gy|, and the size of the difference of these two or, where gradients have a sign, of
+    gx and gy.
 
     The difference of signed gradients has one bit more than a gradient.
     """
@@ -102,7 +103,7 @@ class Preprocessing(wiring.Component):
         return m
 
     def _gradients(self, pipe: Pipeline) -> list[tuple[Signal, Signal]]:
-        """gx and gy by row, with their signs. The window's centre is one column behind the newest."""
+        """gx and gy by row, signed. The window's centre is the column before the newest."""
         newest = self.i.payload.data
         centre = [pipe.register(newest[row], f"centre_{row}", when=pipe.valid) for row in range(self._rows)]
         gradients = []

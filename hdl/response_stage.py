@@ -27,8 +27,10 @@ from hdl.thresholds import Thresholds, settings_layout, settings_members, thresh
 class ResponseStage(wiring.Component):
     """Samples out of pixels.
 
-        pixels ─ frame control ─ buffer 7 ─┬ preprocessing ─ convolution ─ response ─┬─ skid ─ thresholds
-                                           └─────────── centre pixels ───────────────┘
+        pixels ─ frame control ─ buffer 7 ┬ preprocessing ─ convolution ─ response ┬ skid ─┐
+                                          └────────────── centre pixels ───────────┘       │
+            ┌──────────────────────────────────────────────────────────────────────────────┘
+            └ thresholds ─ samples
 
     Centre pixels are there where the pixel rides along with its response.
 

@@ -18,8 +18,8 @@ def response_layout(parameters: Parameters) -> data.StructLayout:
 
 
 def sample_layout(parameters: Parameters) -> data.StructLayout:
-    """D, and what rides along with it to where it is needed: with a refinement by pixels the pixel
-    at its centre.
+    """D, and what rides along with it to the block that needs it: where the fit goes by pixels, the
+    pixel at the response's centre.
     """
     by_pixels = FITS[parameters.algorithm.fit].by_pixels
     riders = optional(by_pixels, pixel=unsigned(parameters.pixel_bits))
@@ -27,5 +27,5 @@ def sample_layout(parameters: Parameters) -> data.StructLayout:
 
 
 def responses(column: Any) -> list[Value]:
-    """Those of a ``Columns`` of samples or of responses, from the top."""
+    """The responses of a ``Columns`` of samples or of responses, from the top."""
     return [sample.response for sample in column.data]

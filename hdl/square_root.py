@@ -25,7 +25,7 @@ class SquareRoot(wiring.Component):
         r <  0:  r' = (4r + d) + (4q + 3)
 
     so a step is one adder and no multiplexer, and the remainder of n result bits needs n+2 bits.
-    What it adds is q with each bit inverted where r >= 0: the root is kept in that form, so that
+    What it adds is q with each bit inverted where r >= 0: the root is stored in that form, so that
     the adder's operand comes straight out of a register, and its inversion takes place behind the
     adder before.
 
@@ -70,20 +70,20 @@ class SquareRoot(wiring.Component):
         for k, digit in enumerate(digits[:-1]):
             before, remainder = remainder, _step(m, operand, remainder, digit)
             # a signal of its own, or each of the next step's uses would repeat this step's logic
-            kept = Signal(k, name=f"operand_{k}")
-            m.d.comb += kept.eq(operand ^ (before[-1] ^ remainder[-1]).replicate(k))
+            stored = Signal(k, name=f"operand_{k}")
+            m.d.comb += stored.eq(operand ^ (before[-1] ^ remainder[-1]).replicate(k))
             if (k + 1) % self._bits_per_stage == 0:
-                kept = self._register(m, kept, f"root_{k}")
+                stored = self._register(m, stored, f"root_{k}")
                 remainder = self._register(m, remainder, f"remainder_{k}")
             # the newest bit is inverted where it is 1, which makes it 0
-            operand = Cat(C(0, 1), kept)
+            operand = Cat(C(0, 1), stored)
         last = _step(m, operand, remainder, digits[-1])
         root = Cat(~last[-1], operand ^ (~remainder[-1]).replicate(len(operand)))
         m.d.comb += self.root.eq(self._register(m, root, "root"))
         return m
 
     def _digits(self, m: Module) -> list[Value]:
-        """The radicand's pairs of bits, first the highest, each as late as the stage that takes it."""
+        """Pairs of the radicand's bits, the highest first, each as late as its stage."""
         inputs: list[list[Value]] = [[] for _ in RINGS]
         outputs: list[list[Value]] = [[] for _ in RINGS]
         digits = []

@@ -112,7 +112,7 @@ class Subpixel(wiring.Component):
         return m
 
     def _shift(self, m: Module, move: Value, phase: Value) -> Derivatives[Value]:
-        """Shift until the largest derivative is at the top: a sign bit and the one below it differ."""
+        """Shifts until the largest derivative is at the top: sign and the bit below it differ."""
         bits = self._shifts + self._mantissa_bits + 1
         values, normal, shifting = [], Signal(), Signal()
         m.d.sync += shifting.eq((move & (self._shifts > 0)) | (phase < self._shifts - 1))

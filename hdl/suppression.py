@@ -1,4 +1,4 @@
-"""Corner detection (Eqs. 3-5) for any radius of suppression: non-maximum suppression and threshold."""
+"""Corner detection (Eqs. 3-5) for any radius: non-maximum suppression and threshold."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ class Suppression(Maxima):
     Members
     -------
     i
-        Stream of ``Columns(sample_layout(parameters), 9)``, or of ``Columns(response_layout(
-        parameters), 2r + 1)`` behind a response filter.
+        Stream of ``Columns(sample_layout(parameters), 9)``; behind a response filter, of
+        ``Columns(response_layout(parameters), 2r + 1)``.
     t1
         Stream of T1, one per frame, taken with the frame's last column.
     o
-        Stream of ``Beat(corner_layout(parameters))``, rows so many positions less one shorter.
+        Stream of ``Beat(corner_layout(parameters))``; rows are 8, or 2r, positions shorter.
     """
 
     def __init__(self, parameters: Parameters) -> None:

@@ -47,7 +47,7 @@ class SurfaceFit(wiring.Component):
 
     @staticmethod
     def formats(parameters: Parameters) -> Formats:
-        """Of the derivatives, in units of :meth:`unit`."""
+        """Formats of the derivatives, in units of :meth:`unit`."""
         return SURFACES[parameters.algorithm.fit].formats
 
     @staticmethod

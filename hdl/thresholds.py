@@ -74,7 +74,7 @@ class Thresholds(wiring.Component):
     Members
     -------
     i, o
-        Stream of ``Beat(sample_layout(parameters))``, passed through in the same clock. A first beat
+        Stream of ``Beat(sample_layout(parameters))``, passed on in the same clock. A first beat
         waits for settings, and until the previous frame's thresholds have been taken.
     settings
         Stream of ``settings_layout(parameters)``, one per frame; taken when the multiplication
@@ -229,7 +229,7 @@ class Thresholds(wiring.Component):
 
 
 def _mean_weight(sigma2: Value) -> Value:
-    """In eighths, all ones if it is larger."""
+    """sigma2 in eighths; all ones if it is larger than that."""
     low = SIGMA_BITS - MEAN_WEIGHT_FRACTION_BITS
     high = low + MEAN_WEIGHT_BITS
     return sigma2[low:high] | sigma2[high:].any().replicate(MEAN_WEIGHT_BITS)

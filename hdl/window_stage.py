@@ -43,15 +43,15 @@ CENTRES: dict[ResponseFilterName, type[CentreRows] | type[ResponseFilter]] = {
 class WindowStage(wiring.Component):
     """Candidates out of samples.
 
-        samples ─ buffer 9 ─┬ texture filter ──────────────────────────── (delay) ─┐
-                            ├ centre rows ─┬ corner detection ─────────── (delay) ─┼─ candidate selection
-                            │              └ surface fit ──────────────────────────┤
-                            └ gradient step ───────────────────────────────────────┘
+        samples ─ buffer 9 ─┬ texture filter ───────────────── (delay) ┐
+                            ├ centre rows ┬ corner detection ─ (delay) ┼ candidate selection
+                            │             └ surface fit ───────────────┤
+                            └ gradient step ───────────────────────────┘
 
-    Of surface fit and gradient step there is one. With ``response_filter`` the centre rows are
-    smoothed ones; with ``texture="mean"`` the texture filter is an adaptive threshold; and where it
-    is to be done for more than the 3x3 neighbourhood, or with ``budget``, another block detects
-    corners, of D out of all nine rows. What a block reads, columns of all nine rows or the centre
+    There is a surface fit or a gradient step, not both. With ``response_filter`` the centre rows
+    are smoothed ones; with ``texture="mean"`` an adaptive threshold filters textures; and for a
+    neighbourhood larger than 3x3, or with ``budget``, another block detects corners, in columns of
+    nine rows. What a block reads, columns of all nine rows or the centre
     rows, it says itself.
 
     The blocks between buffer and candidate selection move in step: all are ready whenever the
@@ -162,7 +162,7 @@ class WindowStage(wiring.Component):
 
     @staticmethod
     def _feed(m: Module, sink: Any, source: Any) -> None:
-        """What is ready is known without asking this one."""
+        """A sink beside others, which are ready whenever it is: nobody asks it."""
         m.d.comb += [sink.valid.eq(source.valid), sink.payload.eq(source.payload)]
 
     def _limit(self, m: Module) -> None:

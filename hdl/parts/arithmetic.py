@@ -6,7 +6,7 @@ from amaranth.hdl import C, Cat, Value
 
 
 def magnitude(value: Value) -> Value:
-    """|value|, one bit shorter if signed. The least value must not matter: for it the result is 0."""
+    """|value|, one bit shorter if signed. The least value must not matter: the result is 0 then."""
     if not value.shape().signed:
         return value
     # negated by inversion and carry, which fit in one adder; a choice between value and -value

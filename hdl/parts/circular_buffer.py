@@ -81,8 +81,8 @@ class CircularBuffer(wiring.Component):
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         width = self._shape.width
-        kept = self._rows - 1
-        m.submodules.rows = memory = Memory(shape=width * kept, depth=self._max_width, init=[])
+        stored = self._rows - 1
+        m.submodules.rows = memory = Memory(shape=width * stored, depth=self._max_width, init=[])
         read, write = memory.read_port(), memory.write_port()
 
         # one clock for the memory's own register, one for ours behind it
@@ -95,7 +95,7 @@ class CircularBuffer(wiring.Component):
         tags = pipe.register(Cat(eol, eof), "tags")
 
         rows_seen = Signal(range(self._rows))
-        complete = rows_seen == kept
+        complete = rows_seen == stored
         with m.If(arrived & eol & pipe.advance):
             with m.If(eof):
                 m.d.sync += rows_seen.eq(0)

@@ -66,7 +66,7 @@ class DelayLine(wiring.Component):
         return m
 
     def _read(self, m: Module, value: Value) -> Value:
-        """The value that the ring took in ``depth`` clocks ago, out of the memory's read register."""
+        """The value that went into the ring ``depth`` clocks ago, from the read register."""
         place = Signal(range(self._depth))
         with m.If(self.enable):
             m.d.sync += place.eq(Mux(place == self._depth - 1, 0, place + 1))

@@ -1,4 +1,4 @@
-"""What a column that leaves a sliding window had brought in, for sums that are kept up to date."""
+"""What the column that leaves a sliding window had added, for running sums."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def outgoing_column(
     Parameters
     ----------
     m, pipe
-        Where it is a part of.
+        Module and pipeline of the block that this is a part of.
     value
         Of a window's newest column.
     size

@@ -61,7 +61,7 @@ class Pipeline:
     def register(
         self, value: ValueLike, name: str, *, when: ValueLike | None = None, reset: bool = False
     ) -> Signal:
-        """``value`` one clock later; with ``when``, kept unless that is true."""
+        """``value`` one clock later; with ``when``, only where that is true."""
         value = Value.cast(value)
         register = Signal(value.shape(), name=name, reset_less=not reset)
         with self._m.If(self.advance if when is None else self.advance & when):
@@ -122,7 +122,7 @@ class SkidBuffer(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         first, spare = Signal(self._shape, reset_less=True), Signal(self._shape, reset_less=True)
-        # ready is kept as it is, not inverted: it goes far
+        # ready is stored as it is, not inverted: it goes far
         first_full, ready = Signal(), Signal(init=not self._closed)
         # the spare is only ever full behind a full first place, and the input waits while it is; or
         # after a reset

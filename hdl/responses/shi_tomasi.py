@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Corner response (Eq. 2): D = (A + B) - sqrt((A - B)² + (2C)²)."""
+"""Twice the smaller eigenvalue of the tensor (Eq. 2): D = (A + B) - sqrt((A - B)² + (2C)²)."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from hdl.responses import ResponseBlock
 from hdl.square_root import SquareRoot
 
 RADICAND_LATENCY = 7
-"""A - B, sizes, difference of their halves, two clocks of look-up, sum over both numbers, radicand."""
+"""A - B, sizes, difference of their halves, look-up (2), sum over both numbers, radicand."""
 
 
 class Response(ResponseBlock):
-    """Twice the smaller eigenvalue of every smoothed tensor.
+    """Squares from tables, a sum, its square root.
 
     Both squares are looked up by halves: with x = {h, l}, each of n = pixel_bits,
 
@@ -101,6 +101,6 @@ class Response(ResponseBlock):
         return pipe.register((squares + ((squares - cross) << n))[: 2 * self._bits], "radicand")
 
     def _sum(self, m: Module, pipe: Pipeline, table: SquareTable, x: list[Value], name: str) -> Value:
-        """Of the squares of a part of A - B and a part of 2C."""
+        """Sum of the squares of a part of A - B and of a part of 2C."""
         m.d.comb += [table.enable.eq(pipe.advance), Cat(table.x).eq(Cat(*x))]
         return pipe.register(table.square[0] + (table.square[1] << 2), f"{name}_squares")

@@ -123,8 +123,8 @@ def centres(sizes: list[Size], chances: tuple[float, float, float]) -> dict[str,
 
 
 def wanted(sizes: list[Size], centre: dict[str, Any]) -> tuple[Array, Words, Words]:
-    """Numbers of the centres that are candidates; their surfaces, and all pending records, the frames' ends
-    among them.
+    """Numbers of the centres that are candidates; their surfaces, and all pending records, the
+    frames' ends among them.
     """
     chosen = np.flatnonzero(centre["corner"] & centre["keep"])
     surfaces = pack(SURFACE, {name: values[chosen] for name, values in centre["surface"].items()})

@@ -66,7 +66,7 @@ def test_extremes(pixel_bits: int) -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """10 rows of 9: row r, column c is 10 r + c. Rows 3 to 5, and 4 to 6, of columns 3 to 5 remain."""
+    """Row r, column c of 10x9 is 10 r + c. Rows 3 to 5, and 4 to 6, of columns 3 to 5 remain."""
     frame = 10 * np.arange(10)[:, None] + np.arange(9)
     layout = CentreRows(Build.profile("paper")).o.payload.shape()
     seen = unpack(layout, check([frame], name).outputs["o"])

@@ -82,7 +82,7 @@ def test_frames(name: EngineName, stalls: Stalls) -> None:
 
 @pytest.mark.parametrize("pixel_bits", [8, 10])
 def test_extremes(pixel_bits: int) -> None:
-    """Coordinates, offsets, responses and maxima at both ends: no field spills into its neighbour."""
+    """Coordinates, offsets, responses, maxima at both ends: no field spills into its neighbour."""
     check([500, 0, 200], pixel_bits=pixel_bits, extreme=True)
 
 

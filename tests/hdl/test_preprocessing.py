@@ -43,7 +43,7 @@ SIZES = [(7, 3), (16, 17), (7, 30), (24, 4), (8, 3)]
 
 
 def sizes(frame: Array, gradient: Gradient, derivative: Derivative = "central") -> Array:
-    """|gx|, |gy| and the size of their difference of every pixel, which makes the golden products."""
+    """|gx|, |gy| and the size of their difference of every pixel; these make the products."""
     gx, gy = (values.astype(np.int64) for values in gradients(frame, derivative))
     difference = np.abs(gx - gy if gradient == "signed" else np.abs(gx) - np.abs(gy))
     a, b, c = products(gx, gy, gradient)

@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Response filter: the middle rows of nine, smoothed, three columns late, as the centre rows are."""
+"""Response filter: the middle rows of nine, smoothed, as late as the centre rows are."""
 
 from __future__ import annotations
 

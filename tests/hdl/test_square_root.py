@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Square root: every radicand where they are few, and the edges of every root where they are many."""
+"""Square root: every radicand where they are few, else the edges of every root."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Suppression: maxima of every radius above T1, both tie rules, and the response that goes along."""
+"""Suppression: maxima of every radius above T1, both tie rules, and their responses."""
 
 from __future__ import annotations
 

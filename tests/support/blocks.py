@@ -159,7 +159,7 @@ def raster(frames: list[Array]) -> dict[str, Any]:
 
 
 def columns(frames: list[Array], rows: int) -> dict[str, Any]:
-    """Fields of ``Columns`` as a circular buffer delivers them: (height-rows+1) rows of width each."""
+    """Fields of ``Columns`` as a circular buffer delivers them: height-rows+1 rows of columns."""
     windows = [
         sliding_window_view(frame, rows, axis=0)
         if len(frame) >= rows

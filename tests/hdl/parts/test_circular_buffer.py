@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Circular buffer: the right columns, of the right frame, at the right clock, in both bufferings."""
+"""Circular buffer: the right columns of the right frame, at the right clock, either buffering."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ def test_banked_latency(name: EngineName, rows: int, max_width: int) -> None:
 
 @both
 def test_a_lone_frame_comes_out_whole(buffering: Buffering) -> None:
-    """Nothing follows it: the buffer pushes the last row out by itself, however slow the sink is."""
+    """Nothing follows: the buffer pushes the last row out by itself, however slow the sink is."""
     for rows, max_width in SHAPES:
         for stalls in (NO_STALLS, Stalls(outputs=0.98, seed=3), Stalls(0.9, 0.9, seed=4)):
             check(buffer("compiled", rows, max_width, buffering), rows, [(rows, max_width)], stalls)
