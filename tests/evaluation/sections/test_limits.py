@@ -102,8 +102,7 @@ def test_refined_corners_of_photographs_and_how_near_they_are() -> None:
         near += np.count_nonzero(apart.min(axis=1, initial=np.inf) < 4)
         nearest = min(nearest, apart.min(initial=np.inf))
         left += len(found.apart(4))
-    assert f"{corners:,} corners of ten photographs" in TEXT
-    assert f"{near} are nearer than 4 pixels to another, two of them {nearest:.2f} pixels" in " ".join(
-        PAGE.split()
-    )
-    assert f"here {left:,}." in TEXT
+    assert f"Ten photographs have {corners:,} corners with `robust`" in TEXT
+    assert f"{near} of them are nearer than 4 pixels to another corner" in TEXT
+    assert f"the two nearest are {nearest:.2f} pixels from each other" in TEXT
+    assert f"here {left:,} remain." in TEXT
