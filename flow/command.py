@@ -15,7 +15,7 @@ _USUAL: dict[str, Any] = {"device": DEVICES[DEFAULT_DEVICE].part, "clock": 100.0
 def command(verb: str, build: Build, **more: Any) -> str:
     """``cornerstream`` with the fewest options that build the same once more.
 
-    ``more`` are further options, which are left out where they are as usual.
+    ``more`` are further options; those that have their default value are left out.
     """
     wanted = build.as_dict()
 

@@ -16,9 +16,9 @@ DEVICES: dict[str, Device] = {
     )
     for device in family
 }
-"""By name."""
+"""All devices by name."""
 DEFAULT_DEVICE = "ep4cgx150"
-"""The paper's."""
+"""The paper's device."""
 _TOOLS: tuple[Tool, ...] = ("quartus", "nextpnr")
 
 

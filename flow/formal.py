@@ -54,7 +54,7 @@ class Property:
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What came out of a proof.
+    """The result of a proof.
 
     Members
     -------
@@ -148,7 +148,7 @@ def prove(
 
 
 class _Properties(list[Property]):
-    """Properties by number, with what kinds there are."""
+    """Properties by number, and which kinds of checks there are."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -216,7 +216,7 @@ def _found(tool: str) -> str:
 
 
 def _named(text: str, ignoring: Callable[[str], bool] | None) -> tuple[str, _Properties]:
-    """RTLIL whose checks bear numbers for names, which outlive Yosys's passes, and what the numbers
+    """RTLIL in which checks have numbers as names, which Yosys's passes keep, and what the numbers
     stand for.
     """
     properties, lines, source, message, flavor = _Properties(), [], "", "", ""

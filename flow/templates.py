@@ -1,4 +1,4 @@
-"""Files that are mostly text: rendered with Jinja from the templates beside whoever makes them."""
+"""Files that are mostly text, rendered with Jinja from templates that lie beside the code."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import jinja2
 
 
 def render(folder: Path, template: str, known: dict[str, Any]) -> str:
-    """``template`` of a folder, without its ending ``.j2``; whatever it asks for must be known.
+    """The text of ``template``, which is named without its ending ``.j2``; all names that it uses
+    must be in ``known``.
 
     The filter ``hex`` writes a number with ``0x`` and, unless told otherwise, eight digits.
     """

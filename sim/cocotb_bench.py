@@ -46,12 +46,12 @@ class BenchError(RuntimeError):
 
 @dataclass(frozen=True)
 class Result:
-    """What became of one test.
+    """How one test ended.
 
     Members
     -------
     name
-        Of the function; a parametrized one is followed by its parameters, ``name/key=value``.
+        Name of the function; a parametrized one is followed by its parameters, ``name/key=value``.
     message
         Empty if passed; else the exception and the last lines of ``output``.
     nanoseconds, seconds
@@ -74,9 +74,7 @@ class Result:
 
 @dataclass(frozen=True)
 class Bench:
-    """A built simulator. ``ports`` are those of the module ``top``, and all that a test can see of
-    it.
-    """
+    """A built simulator. A test can see only ``ports``, which are those of the module ``top``."""
 
     executable: Path
     top: str
@@ -106,7 +104,7 @@ class Bench:
         environment
             Variables for the tests: how parameters get there.
         seed
-            Of Python's random numbers. Each test is seeded by this and its name.
+            Seed of Python's random numbers. Each test is seeded by this and its name.
         timeout
             Real seconds for all tests together.
 
@@ -149,9 +147,8 @@ class Bench:
 def build_bench(verilog: str, *, notify: Callable[[str], None], cache: Path | None = None) -> Bench:
     """The simulator for a Verilog text, from the cache or newly built.
 
-    Of the design only the ports of its top module can be seen from a test. Were everything visible,
-    Verilator could optimize nothing away: simulation would take three times, and compilation twice
-    as long.
+    A test can see only the ports of the top module. If everything were visible, Verilator could
+    optimize nothing away: simulation would take three times as long, and compilation twice.
 
     Parameters
     ----------

@@ -94,7 +94,13 @@ def find_compiler() -> Compiler:
 
 
 def run_tool(command: list[str], what: str, folder: Path, environment: dict[str, str] | None = None) -> None:
-    """Run a tool quietly; :class:`CompilationError` with the start of its complaints if it fails."""
+    """Run a tool quietly.
+
+    Raises
+    ------
+    CompilationError
+        The tool failed; the message has the start of what it said.
+    """
     try:
         done = run(command, folder=folder, environment=environment)
     except OSError as error:

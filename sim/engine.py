@@ -3,12 +3,12 @@ Verilog.
 
 All engines obey the same rules, so that even the clock of each transfer agrees between them:
 
-- In every clock a source presents its next beat unless its pattern pauses it; once presented, a beat stays,
-  unchanged, until it is accepted. A sink is ready unless its pattern pauses it.
-- What is driven takes effect at once; valid, ready and payload are sampled when the combinational logic
-  has settled, just before the rising edge that ends the clock.
-- A run starts from power-on, with all plain inputs at their initial values. It ends after ``quiet`` clocks
-  in which all inputs were consumed and no output was valid.
+- In every clock a source presents its next beat unless its pattern pauses it; once presented, a
+  beat stays, unchanged, until it is accepted. A sink is ready unless its pattern pauses it.
+- What is driven takes effect at once; valid, ready and payload are sampled when the combinational
+  logic has settled, just before the rising edge that ends the clock.
+- A run starts from power-on, with all plain inputs at their initial values. It ends after ``quiet``
+  clocks in which all inputs were consumed and no output was valid.
 - An output must keep valid and payload until it is taken; if not, :class:`StreamError`.
 """
 

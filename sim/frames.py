@@ -62,7 +62,7 @@ class SimulationResult:
         Records after the last end of a frame, or with an end that no frame of pixels belongs to:
         always a mismatch.
     clocks, seconds
-        Of the whole run.
+        Length of the whole run.
     """
 
     frames: list[FrameRun]
@@ -77,7 +77,7 @@ class SimulationResult:
 
 @dataclass(frozen=True)
 class Mismatch:
-    """One record that is not as expected; None where there is none at all. ``str()`` describes it."""
+    """One record that is not as expected; None stands for no record. ``str()`` describes it."""
 
     frame: int
     index: int

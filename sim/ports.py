@@ -1,4 +1,4 @@
-"""Which streams and plain inputs a component has: read from its signature, once, for every engine."""
+"""Which streams and plain inputs a component has, read from its signature for every engine."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class StreamPort:
         return max(1, -(-self.width // WORD_BITS))
 
     def flat(self, field: str) -> str:
-        """Name of the port ``field`` (``"payload"``, ``"valid"`` or ``"ready"``) after conversion."""
+        """Name of the port ``"payload"``, ``"valid"`` or ``"ready"`` after conversion."""
         return f"{self.name}__{field}"
 
 

@@ -28,7 +28,7 @@ class Stalls:
     outputs
         Probability per clock, 0 <= p < 1, that a sink is not ready.
     seed
-        Of the generator, 0 or more.
+        Seed of the random generator, 0 or more.
     """
 
     inputs: float = 0.0
@@ -89,7 +89,7 @@ class Stimulus:
 
 @dataclass(frozen=True)
 class Capture:
-    """What a simulation has shown.
+    """What came out of a simulation.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ class Capture:
     clocks
         Clocks simulated, the quiet ones at the end included. The first clock is number 0.
     seconds
-        Time the run took, building the simulator not included.
+        Time that the run took, without building the simulator.
     """
 
     outputs: dict[str, Words]
@@ -115,7 +115,7 @@ class Capture:
 
 @dataclass(frozen=True)
 class Limits:
-    """When a run ends: after ``quiet`` clocks without anything to do, or failing at ``max_clocks``."""
+    """A run ends after ``quiet`` clocks without anything to do, or fails at ``max_clocks``."""
 
     quiet: int
     max_clocks: int

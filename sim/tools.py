@@ -1,5 +1,5 @@
-"""Runs other programs so that nothing of them is left, whatever ends this one: no process, no
-temporary file.
+"""Runs other programs. However this process ends, it leaves none of their processes and temporary
+files behind.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def run(
     text
         What it reads; default: nothing.
     environment
-        Variables beside those of this process.
+        Variables in addition to those of this process.
 
     Raises
     ------

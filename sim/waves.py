@@ -63,13 +63,13 @@ class View:
     Parameters
     ----------
     title
-        Of the group.
+        Title of the group.
     module
-        In which of the component's modules the signals are; empty: at its top.
+        The module of the component that has the signals; empty for its top.
     signals
-        By name in RTLIL and Verilog.
+        Signals by their names in RTLIL and Verilog.
     fields
-        Of which the last signal, a payload, consists.
+        Parts of the last signal, which is a payload.
     """
 
     title: str
@@ -137,11 +137,11 @@ def save_path(vcd: Path) -> Path:
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """Another name for a file, which takes its own once it is whole; so it does where a simulation
-    came to grief.
+    """Another name to write a file under; it gets its own name once it is whole, and also where a
+    simulation failed.
 
-    Where a link leads is replaced, not the link; what is no regular file, such as a pipe, is
-    written to directly.
+    A link stays, and the file that it leads to is replaced. What is no regular file, such as a
+    pipe, is written to directly.
     """
     if path.exists() and not path.is_file():
         yield path

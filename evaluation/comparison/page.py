@@ -123,8 +123,8 @@ def _summary(builds: list[Figures]) -> list[str]:
 def _table_1(builds: list[Figures]) -> list[str]:
     chosen = _of_size(builds, paper.SIZE)
     wholes = {
-        "Total logic elements": paper.DEVICE_LOGIC_ELEMENTS,
-        "Total memory bits": paper.DEVICE_MEMORY_BITS,
+        "Total logic elements": paper.DEVICE.logic_elements,
+        "Total memory bits": paper.DEVICE.memory_bits,
     }
     fields = {
         "Total logic elements": "le_packed",
@@ -145,7 +145,7 @@ def _table_1(builds: list[Figures]) -> list[str]:
     headings = ["resource", "paper", *map(_short, chosen)]
     return [
         "## Table 1: resources",
-        f"1200×720, {paper.DEVICE}; percentages are relative to the device.",
+        f"1200×720, {paper.DEVICE.part}; percentages are relative to the device.",
         _shown(headings, rows),
     ]
 

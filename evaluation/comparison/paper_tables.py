@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-DEVICE = "EP4CGX150CF23C8"
-DEVICE_LOGIC_ELEMENTS = 149_760
-DEVICE_MEMORY_BITS = 720 * 9216
-"""720 blocks of 9,216 bits."""
+from flow.devices import find_device
+
+DEVICE = find_device("EP4CGX150CF23C8")
 CLOCK_MHZ = 100
 """Operating frequency in Tables 2 and 3."""
 SIZE = (1200, 720)

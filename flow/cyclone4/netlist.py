@@ -123,7 +123,7 @@ def packed_pairs(module: Module) -> int:
 
 
 def own_area(json: Json) -> Area:
-    """What the cells of a module take that can be counted in the netlist, without modules inside."""
+    """Area of a module without the modules inside, as far as the netlist tells it."""
     module = Module(json)
     return Area(
         lut4=len(module.of_kind(LUT)),

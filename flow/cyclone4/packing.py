@@ -3,13 +3,13 @@
 The map makes chains and tables one by one. A cell of a chain, however, computes any two functions
 of two data inputs and its carry in: its output and its carry out. The last one of a chain, whose
 carry out nobody reads, computes any function of three data inputs and its carry in: that is normal
-mode with the carry in as an input. So no cell of their own need
+mode with the carry in as an input. So the following need no cell of their own:
 
-- tables that each of their readers can compute as well: an operand that is complemented or masked, the (d ^ s) of
-  a conditional negation (d ^ s) + s;
-- a table behind a sum that nobody else reads, while the sum's cell has an input to spare: the clearing of a
-  counter, what becomes of a comparison;
-- what puts a signal on a chain, where the first bit knows that signal, or has a data input to spare;
+- tables that each of their readers can compute as well: an operand that is complemented or masked,
+  the (d ^ s) of a conditional negation (d ^ s) + s;
+- a table behind a sum that nobody else reads, while the sum's cell has an input to spare: the
+  clearing of a counter, or what follows a comparison;
+- what puts a signal on a chain, where the first bit knows that signal or has a data input to spare;
 - what takes the last carry of a comparison off the chain, while nobody reads the last difference.
 
 Each is a cell less for the same function, and nothing else about the netlist changes. It is done on

@@ -5,9 +5,9 @@ Each rule takes away cells and changes no behaviour:
 
 - the output registers of block RAM take the flip-flops behind it;
 - tables and cells of carry chains become one, see :mod:`flow.cyclone4.packing`;
-- a synchronous clear or load takes the multiplexer before a flip-flop, so that it shares a logic element with
-  what lies before that. Both are signals of a whole LAB, so there must be several flip-flops of a
-  kind.
+- a synchronous clear or load takes the multiplexer before a flip-flop, so that the flip-flop shares
+  a logic element with what lies before the multiplexer. Clear and load are signals of a whole LAB,
+  so several flip-flops must have them in common.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Synthesis for Cyclone IV: Yosys with our own map of its cells, see ``docs/explanation/synthesis.md``."""
+"""Synthesis for Cyclone IV: Yosys with our own map, see ``docs/explanation/synthesis.md``."""
 
 from __future__ import annotations
 
@@ -71,7 +71,8 @@ opt_merge
 opt_clean
 design -save before_tables
 """
-# from logic to tables, for area: shared where that saves some, even if a path becomes longer
+# from logic to tables, for area: logic is shared where that saves some, even if a path becomes
+# longer
 TABLES = """
 design -load before_tables
 abc -lut 4 -script +{script}
@@ -171,8 +172,8 @@ def map_component(component: wiring.Component, top: str) -> tuple[Block, str]:
 
 
 def _best(netlists: list[Json]) -> Json:
-    """Of netlists that differ in how their modules are mapped, each module where it is smallest,
-    refined.
+    """The best of several netlists, module by module: each module is taken, refined, from the
+    netlist that has it smallest.
     """
     for netlist in netlists:
         refine(netlist)

@@ -33,14 +33,14 @@ clean
 synth_ecp5 -top {top} -run map_cells:
 write_json mapped.json
 """
-"""From ``design.il`` to ``mapped.json``, with the files :data:`RULES` beside."""
+"""Makes ``mapped.json`` of ``design.il``, in a folder that has the files :data:`RULES`."""
 RULES = ("memory.txt", "memory.v")
 
 _COLLISION = re.compile(r"(parameter \\COLLISION_X_MASK \d+')([01]+)")
 
 
 def map_component(component: wiring.Component, top: str, folder: Path, *, stands_in: bool) -> Json:
-    """The netlist of a component, flattened, as module ``top``; ``folder`` takes the files of Yosys.
+    """The netlist of a component, flattened, as module ``top``; Yosys works in ``folder``.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from hdl.build import Build
 from hdl.edges import Interface, make_core
 
 AIM_MHZ = 150
-"""What placement and routing strive for."""
+"""Clock frequency that placement and routing aim at."""
 
 # how Yosys names what it made of a signal: the signal, then the cells that were put after one
 # another
@@ -45,7 +45,7 @@ class Step:
         ``"clk-to-q"``, ``"logic"``, with the routing to what has the same name, ``"routing"`` or
         ``"setup"``.
     delay_ns
-        Of this part alone.
+        Delay of this part alone.
     """
 
     name: str
@@ -64,7 +64,7 @@ class Timing:
     critical_path
         The slowest path from register to register.
     device, package, speed, seed
-        What for, and the seed of the placement.
+        What it was placed for, and the seed of the placement.
     lut4, ff, ebr
         Lookup tables, those of carry chains included, flip-flops, and blocks of RAM on that device.
     """
@@ -96,7 +96,7 @@ def place_and_route(
     Parameters
     ----------
     device
-        Of ECP5, or one that a device of ECP5 stands in for.
+        A device of ECP5, or one that a device of ECP5 stands in for.
     seed
         Seed of the placement.
 
@@ -147,7 +147,7 @@ def read_report(report: dict[str, Any], device: Device, *, seed: int) -> Timing:
 
 
 def _path(parts: list[dict[str, Any]]) -> tuple[Step, ...]:
-    """Steps of a path; what goes on under one name, such as a carry through a chain, is one step."""
+    """Steps of a path; parts of one name, such as a carry through a chain, are one step."""
     steps: list[Step] = []
     for part in parts:
         step = Step(given_name(part.get("net") or part["to"]["cell"]), part["type"], part["delay"])

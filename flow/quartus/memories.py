@@ -23,7 +23,7 @@ _DECLARATION = re.compile(r"^  reg (?:\[(\d+):0\] )?(\w+) \[(\d+):0\];\n", re.MU
 # without an enable
 _BLOCK = re.compile(r"^  always @\(posedge (\w+)\)(?: begin)?\n((?:    .*\n)+)", re.MULTILINE)
 _ASSIGNMENT = re.compile(r"\s*(?:if \(\w+(?:\[\d+\])?\)( begin)?\s+)?(\S+) <= ([^;]+);(?(1)\s+end)\s*")
-# the same wish in the words of other tools
+# the attribute by which other tools are asked for the same
 _FOREIGN = re.compile(r"^  \(\* ram_style = .* \*\)\n", re.MULTILINE)
 
 
@@ -34,7 +34,7 @@ class Memory:
     Parameters
     ----------
     module, name
-        Where it is declared.
+        Module that declares it, and its name there.
     width, depth
         Bits of a word, and words.
     kind
@@ -93,7 +93,7 @@ def _memory(module: str, declaration: re.Match[str], body: str) -> Memory:
             reads.append((clock, match[1]))
     contents = re.findall(rf"^    {name}\[\d+\] = [^;]+;", body, re.MULTILINE)
     kind: Kind = "logic"
-    # every other way to use it, such as reading it without a clock, is in no template
+    # any other use, such as a read without a clock, is in no template
     known = 1 + len(reads) + len(writes) + len(contents)
     clocks = {clock for clock, _ in (*reads, *writes)}
     if len(re.findall(rf"\b{name}\b", body)) == known and len(clocks) == 1:

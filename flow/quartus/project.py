@@ -21,7 +21,7 @@ from golden.version import VERSION
 from hdl.build import Build
 
 MANIFEST = "cornerstream.json"
-"""By this file a folder is known as exported: what was built, and the files that belong to it."""
+"""The file that marks a folder as exported; it says what was built, and lists the files."""
 SOURCES = "rtl"
 
 _TEMPLATES = Path(__file__).parent / "templates"
@@ -40,9 +40,9 @@ def project_files(
     device
         One that Quartus knows.
     clock_mhz
-        The clock that is asked for; it stands in the .sdc as a period, and nowhere else.
+        Clock frequency that Quartus is asked to reach; the .sdc file has it as a period.
     name
-        Of the core and the project.
+        Name of the core and of the project.
 
     Raises
     ------

@@ -1,5 +1,5 @@
-"""What a compilation with Quartus leaves behind: ``*.fit.summary``, ``*.sta.summary``, and
-``*.fit.rpt`` for M9Ks.
+"""The reports that Quartus writes: ``*.fit.summary``, ``*.sta.summary``, and ``*.fit.rpt`` for
+M9Ks.
 
 All are plain text. The Fitter's has one line per figure, ``name : used / available ( percent )``,
 the Timing Analyzer's three per clock, check and operating condition: type, slack in ns, total
@@ -41,7 +41,7 @@ class QuartusReport:
     Parameters
     ----------
     revision, device, version
-        Of the project, and of Quartus.
+        Revision and device of the project, version of Quartus.
     le, lut4, ff
         Logic elements: in all, with their LUT used, with their flip-flop used.
     memory_bits, multipliers

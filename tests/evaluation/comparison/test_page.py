@@ -83,9 +83,9 @@ def test_printed_speeds_agree_with_themselves() -> None:
 
 def test_percentages_are_of_the_papers_device() -> None:
     first, *_ = paper_tables.TABLE_1
-    assert int(100 * first.demand / paper_tables.DEVICE_LOGIC_ELEMENTS) == first.percent
+    assert int(100 * first.demand / paper_tables.DEVICE.logic_elements) == first.percent
     bits = paper_tables.TABLE_1[2]
-    assert round(100 * bits.demand / paper_tables.DEVICE_MEMORY_BITS) == 12 != bits.percent
+    assert round(100 * bits.demand / paper_tables.DEVICE.memory_bits) == 12 != bits.percent
     assert (
         "8 %" in paper_tables.REMARKS["memory percent"] and "12 %" in paper_tables.REMARKS["memory percent"]
     )

@@ -1,4 +1,4 @@
-"""Logic cells that become one: the same functions, in cells that the device has, and fewer of them."""
+"""Logic cells that become one: the same functions in fewer cells, which the device has."""
 
 from __future__ import annotations
 
@@ -194,7 +194,7 @@ def test_cells_that_are_left(build: Callable[[], Netlist], before: int, after: i
 
 
 def anything(seed: int) -> Netlist:
-    """Tables of any kind and chains of any functions, reading each other; now and then a constant."""
+    """Tables and chains of any functions, which read each other and now and then a constant."""
     choose = random.Random(seed)
     netlist = Netlist()
     nets: list[Any] = [*netlist.inputs(choose.randint(2, 7))]
