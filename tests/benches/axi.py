@@ -60,7 +60,7 @@ class Bench:
     bus
         Share of clocks in which each channel of the registers' bus pauses.
     video_stall
-        Of the video sink, if another.
+        Pauses of the video sink, if they differ.
 
     Members
     -------

@@ -74,7 +74,7 @@ class VideoSource:
     Parameters
     ----------
     share
-        Of the clocks in which to pause.
+        Share of the clocks with a pause.
     """
 
     def __init__(self, dut: Dut, prefix: str = "s_axis", share: float = 0) -> None:
@@ -130,7 +130,7 @@ class Sink:
     Parameters
     ----------
     share
-        Of the clocks in which to pause.
+        Share of the clocks with a pause.
     """
 
     def __init__(self, dut: Dut, prefix: str = "m_axis", share: float = 0) -> None:
@@ -156,7 +156,7 @@ class Registers:
     Parameters
     ----------
     share
-        Of the clocks in which each channel pauses, by itself.
+        Share of the clocks with a pause, for each channel by itself.
     """
 
     def __init__(self, dut: Dut, prefix: str = "s_axil", share: float = 0) -> None:
