@@ -50,7 +50,7 @@ class SelectionChecker(Elaboratable):
         parameters = DEFAULT if design.INSIDE == INSIDE else SHORT
         m.submodules.dut = dut = design.CandidateSelection(parameters)
         inside = Insides(dut)
-        candidates, pending = Insides(inside["candidates"]), Insides(inside["pending"])
+        candidates, waiting = Insides(inside["candidates"]), Insides(inside["pending"])
         free(m, dut)
         centre, texture = dut.corners.payload, dut.textures.payload
         after_end = Signal()
@@ -119,7 +119,7 @@ class SelectionChecker(Elaboratable):
         queue_holds(m, inside["candidates"], candidates, chosen, parameters.queue_depth)
         depth = parameters.queue_depth + design.INSIDE
         # how full the queues can be, as room is heeded a clock late, and as they are emptied
-        room, surfaces, records = inside["room"], candidates["level"], pending["level"]
+        room, surfaces, records = inside["room"], candidates["level"], waiting["level"]
         invariant(
             m, ~room | ((surfaces <= parameters.queue_depth - 2) & (records <= depth - 2)), "room is none"
         )
@@ -128,7 +128,7 @@ class SelectionChecker(Elaboratable):
         empty = records + after_end == 0
         invariant(m, empty | (records + overdue + after_end <= depth), "a pending record too many")
         invariant(m, room | (overdue < 4), "room comes late")
-        queue_holds(m, inside["pending"], pending, noted, depth, compared=what_counts)
+        queue_holds(m, inside["pending"], waiting, noted, depth, compared=what_counts)
         return m
 
 
