@@ -40,7 +40,7 @@ def test_netlist_is_bit_exact_on_a_photograph(
     parameters = synthesis.build
     path = tmp_path_factory.mktemp("gates") / "gates.v"
     path.write_text(gate_level_verilog(synthesis))
-    engine = make_engine("verilog", Detector(parameters), verilog=path, cache=path.parent)
+    engine = make_engine("verilog", Detector(parameters), verilog=path)
     region = photograph("camera")[200 : 200 + HEIGHT, 150 : 150 + WIDTH]
     # back to back, so that the second frame's thresholds come from the first; then one of another
     # size

@@ -59,7 +59,7 @@ def test_no_record_depends_on_reading_during_writing(tmp_path: Path, name: str, 
     path = tmp_path / "noise.v"
     path.write_text("".join(text for text, _ in changed.values()))
     parameters = Build.profile(name, buffering=buffering, **SMALL)
-    engine = make_engine("verilog", Detector(parameters), verilog=path, cache=tmp_path)
+    engine = make_engine("verilog", Detector(parameters), verilog=path)
     some = Settings(sigma1=0.01, report_rejected=True)
     every = Settings(sigma1=0.0, floor=1, report_rejected=True)
     frames = [(photograph("camera")[230:262, 170 : 170 + width], some) for width in (23, 15, 16)]
@@ -94,7 +94,7 @@ def test_memories_that_need_the_old_data_are_known_and_noise_in_them_is_noticed(
     for version in (text, noisy):
         path = tmp_path / "design.v"
         path.write_text(version)
-        engine = make_engine("verilog", Forgetful(), verilog=path, cache=tmp_path)
+        engine = make_engine("verilog", Forgetful(), verilog=path)
         delivered.append(engine.run(Stimulus({"i": beats})).outputs["o"].ravel().tolist())
     assert delivered[0][16:] == beats[:-16]
     assert delivered[1][16:] != beats[:-16]
