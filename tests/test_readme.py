@@ -11,7 +11,7 @@ import pytest
 from cornerstream.cli import main
 from evaluation.comparison import paper_tables
 from evaluation.comparison.page import FIGURES_NAME
-from golden import Settings, detect
+from golden import PROFILES, Parameters, Settings, detect
 from golden.algorithm import DEFAULT_PROFILE
 from hdl.build import Build
 from hdl.edges import make_core
@@ -58,12 +58,14 @@ def test_default_profile() -> None:
     assert f"`{DEFAULT_PROFILE}` is the default profile" in README
 
 
-def test_corner_counts_of_the_example() -> None:
+@pytest.mark.parametrize("profile", PROFILES)
+def test_corner_counts_of_the_example(profile: str) -> None:
     """Both frames of the photograph: the first has a constant reference."""
     for number, reference in enumerate(("constant", "previous")):
-        found = detect(photograph("camera"), settings=Settings(reference=reference, report_rejected=True))
+        settings = Settings(reference=reference, report_rejected=True)
+        found = detect(photograph("camera"), Parameters.profile(profile), settings)
         accepted, rejected = int(found.accepted.sum()), int((~found.accepted).sum())
-        line = rf"│ +{number} │ 512x512 │ 262,144 │ +1\.000 │ +{accepted} │ +{rejected} │ +0 │"
+        line = rf"│ {profile} +│ +{number} │ 512x512 │ 262,144 │ +1\.000 │ +{accepted} │ +{rejected} │ +0 │"
         assert re.search(line, README), line
 
 

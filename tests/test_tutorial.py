@@ -46,7 +46,7 @@ def test_hardware(folder: Path) -> None:
         corners = model.process(image, Settings(report_rejected=True)).corners
         accepted = int(corners.accepted.sum())
         counts = f"{accepted:>7} │ {len(corners) - accepted:>8} │ {0:>10} │"
-        assert f"│ {frame:>5} │ 64x48 │ {image.size:>6,} │        1.000 │ {counts}" in blocks("")[2]
+        assert f"│ robust  │ {frame:>5} │ 64x48 │ {image.size:>6,} │        1.000 │ {counts}" in blocks("")[2]
 
 
 def test_corners_are_where_the_text_says() -> None:
