@@ -101,6 +101,28 @@ def test_other_text_is_another_library(tmp_path: Path) -> None:
     assert {ctypes.CDLL(str(path)).answer() for path in libraries} == {1, 2}
 
 
+def test_further_flags_make_another_library(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    libraries = []
+    for number in ("1", "2"):
+        monkeypatch.setenv("CXXFLAGS", f"-DNUMBER={number}")
+        path = build(
+            {"answer.cc": SOURCE.replace("42", "NUMBER")},
+            lambda folder: ["answer.cc"],
+            includes=[],
+            notify=lambda line: None,
+            directory=tmp_path,
+        )
+        libraries.append(ctypes.CDLL(str(path)).answer())
+    assert libraries == [1, 2]
+
+
+def test_flags_that_are_none(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("CXXFLAGS", "'-O0")
+    with pytest.raises(CompilationError, match=r"^\$CXXFLAGS is \"'-O0\": .*; allowed: flags$"):
+        build({}, lambda folder: [], includes=[], notify=lambda line: None, directory=tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_compiler_that_fails_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(CompilationError, match=r"(?s)^the C\+\+ compiler failed:\n.*error"):
         build(
