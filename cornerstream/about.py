@@ -1,5 +1,6 @@
-"""What a run was made with, as the JSON of ``detect`` and ``simulate`` says it; docs/reference/json.md
-describes all of it.
+"""What a run was made with, in the JSON of ``detect`` and ``simulate``.
+
+The keys are described in docs/reference/json.md.
 """
 
 from __future__ import annotations

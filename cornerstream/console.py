@@ -70,7 +70,7 @@ def show(table: Table) -> None:
 
 @contextmanager
 def activity(text: str) -> Iterator[None]:
-    """Show that something is going on whose length is not known; nothing if stderr is no terminal."""
+    """Show that something of unknown length is going on; nothing if stderr is no terminal."""
     console = Console(stderr=True)
     # where there is none, early versions of rich leave an empty line
     with console.status(text) if console.is_terminal else nullcontext():

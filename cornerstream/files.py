@@ -89,7 +89,7 @@ def check_distinct(*paths: Path | None) -> None:
 
 
 def result_paths(folder: Path, profiles: Sequence[str]) -> list[Path]:
-    """Where :func:`write_results` writes: a table has its profile in its name if there are several."""
+    """Where :func:`write_results` writes: of several profiles, each table has its own name."""
     names = ["corners.csv"] if len(profiles) == 1 else [f"corners-{profile}.csv" for profile in profiles]
     return [folder / name for name in (*names, PICTURE_NAME)]
 

@@ -1,4 +1,4 @@
-"""Options in groups: ``--help`` lists those first that everybody uses, and apart what is for few."""
+"""Options in groups: ``--help`` first lists those that everybody uses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Options that would change nothing: refused in one line, so that none is ignored without a word."""
+"""Options that would change nothing are refused in one line, so that none is ignored silently."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ def _from_field(group: str, each: Option, **attributes: Any) -> Callable[[Comman
     return option(group, name, type=kind, **{"metavar": metavar, "help": each.help, **attributes})
 
 
-def _fields(
+def options_of_fields(
     group: str, owner: type, names: Iterable[str], *, by_default: bool = True
 ) -> Callable[[Command], Command]:
     """Options of these fields of a dataclass, but for those that leave no choice.
@@ -111,14 +111,14 @@ profiles_option = option(
     callback=lambda _, __, names: tuple(dict.fromkeys(names)),
     **{**_PROFILE, "help": f"{_PROFILE['help']} May be given again, to see both."},
 )
-_algorithm = _fields(ALGORITHM, Algorithm, options(Algorithm), by_default=False)
-_frame = _fields(FRAME, Parameters, (name for name in options(Parameters) if name != "budget"))
+_algorithm = options_of_fields(ALGORITHM, Algorithm, options(Algorithm), by_default=False)
+_frame = options_of_fields(FRAME, Parameters, (name for name in options(Parameters) if name != "budget"))
 
 model_options = together(_algorithm, _frame)
 """What the corners depend on, apart from the profile, and how large an image may be."""
-hardware_options = _fields(HARDWARE, Build, _HARDWARE, by_default=False)
+hardware_options = options_of_fields(HARDWARE, Build, _HARDWARE, by_default=False)
 """What changes the hardware, but no corner."""
-edge_options = _fields(HARDWARE, Build, _EDGES)
+edge_options = options_of_fields(HARDWARE, Build, _EDGES)
 threshold_options = together(*map(_setting, _THRESHOLDS))
 
 normalize_option = option(

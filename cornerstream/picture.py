@@ -127,7 +127,7 @@ def _type_size(usual: int, panel_width: int) -> int:
 
 
 def draw_corners(pixels: NDArray[np.uint8], corners: Corners) -> Image.Image:
-    """The image enlarged, the border shaded in which no corner can be, and a mark at each corner."""
+    """The image enlarged, with a mark at each corner, and with the border shaded."""
     height, width = pixels.shape
     scale = scale_for(width, height)
     photo = Image.fromarray(pixels).resize((scale * width, scale * height), Image.Resampling.BICUBIC)
@@ -146,7 +146,7 @@ def draw_corners(pixels: NDArray[np.uint8], corners: Corners) -> Image.Image:
 
 
 def _radii(corners: Corners, area: int, scale: int) -> Floats:
-    """A mark's radius, in pixels of the picture: by how many share its area, and by the response."""
+    """Radii of the marks in pixels of the picture: by their density and by the responses."""
     if not len(corners):
         return np.empty(0)
     # a pixel of the image at most, where it is enlarged so far

@@ -72,7 +72,7 @@ def export(
     Examples:
       cornerstream quartus export
       cornerstream quartus export --device EP4CE115F29C7
-      cornerstream quartus export -o q720 --max-width 1280 --max-height 720 --clock 150
+      cornerstream quartus export --max-width 1280 --max-height 720 --clock 150
       cd build/quartus && quartus_sh -t compile.tcl
     """
     parameters = build_from(profile, options)
@@ -95,7 +95,8 @@ def report(folder: Path, as_json: bool) -> None:
     DIR is build/quartus unless it is given. The figures are those of the Fitter's and the Timing
     Analyzer's summaries.
 
-    Exit code 1 if timing is not met, or not known because there is no summary of the Timing Analyzer.
+    Exit code 1 if timing is not met, or not known because there is no summary of the Timing
+    Analyzer.
 
     \b
     Examples:

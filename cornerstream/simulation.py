@@ -171,7 +171,7 @@ def simulate(
     Examples:
       cornerstream simulate
       cornerstream simulate photo.jpg --profile robust --profile paper -o corners/
-      cornerstream simulate photo.jpg --stall-input 0.3 --stall-output 0.3 --seed 7
+      cornerstream simulate photo.jpg --stall-input 0.3 --stall-output 0.3
       cornerstream simulate photo16bit.png --pixel-bits 10
       cornerstream simulate --engine verilog
       cornerstream simulate --engine gates --max-width 512

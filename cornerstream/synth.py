@@ -91,7 +91,7 @@ def synth(
       cornerstream synth --max-width 1200 --max-height 720
       cornerstream synth --interface stream
       cornerstream synth --buffering banked --json > build/synth.json
-      cornerstream synth --no-timing --plot build/area.png --netlist build/netlist.v
+      cornerstream synth --no-timing --plot area.png --netlist netlist.v
     """
     build = build_from(profile, {"interface": interface, **options})
     check_distinct(netlist, plot)

@@ -86,6 +86,7 @@ VIEWS = "with --only repeatability or robustness or ablation"
         ("detect a.png --reference constant --floor 99", FLOOR),
         ("detect a.png --constant 2000", f"--constant is 2000, {IDLE}with --reference constant"),
         (f"detect a.png {AIMED}", f"--reference is constant, {IDLE}without --target-corners"),
+        ("detect a.png --smoothing 2", f"--smoothing is 2, {IDLE}with --target-corners or --reference-rank"),
         ("detect a.png --buffering lean", "No such option"),
         ("detect a.png --budget", "No such option"),
         ("bench --no-engines --turns 9", f"--turns is 9, {IDLE}without --no-engines"),

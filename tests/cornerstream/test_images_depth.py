@@ -125,8 +125,8 @@ def test_detect_with_ten_bits(camera: Path, tmp_path: Path, name: str) -> None:
     )
     assert len(found) > 4 and result.stderr.startswith(f"{camera}: normalized: 500 to 3600")
     drawn = np.asarray(Image.open(tmp_path / "out" / "corners.png").convert("L"))
-    # below the title, and 16 pixels of the picture for each of the image's: outside of all squares, and
-    # within one
+    # below the title, and 16 pixels of the picture for each of the image's: outside of all
+    # squares, and within one
     top = drawn.shape[0] - (63 + 48 * 16)
     assert 0 < top < 60
     assert drawn[63 + 136 : 63 + 150, 136:150].max() < 10 and drawn[63 + 280 : 63 + 296, 280:296].min() > 245

@@ -1,6 +1,4 @@
-"""What ``--json`` prints: the keys of docs/reference/json.md and no others, and the figures of the golden
-model.
-"""
+"""What ``--json`` prints: the keys of docs/reference/json.md, and the golden model's figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command as a process: output that nobody takes, signals, and what Python leaves to its end."""
+"""The command as a process: output that nobody takes, signals, and Python's own end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The commands around Quartus: a folder that is written whole or not at all, and reports read back."""
+"""The commands around Quartus: a folder written whole or not at all, and reports read back."""
 
 from __future__ import annotations
 
