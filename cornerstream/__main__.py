@@ -32,7 +32,7 @@ def main() -> NoReturn:
 
         command(prog_name="cornerstream")
     except BaseException as error:
-        # designs that an interruption leaves unfinished are no news
+        # a warning about designs that an interruption left unfinished tells nothing new
         warnings.simplefilter("ignore")
         code = _exit_code(error)
     # what is left to do is Python's, which would answer with a traceback

@@ -21,7 +21,7 @@ from rich.table import Table
 from cornerstream.errors import printable
 from cornerstream.images import Photograph
 
-# names that users give are no markup
+# names that users give must not be read as markup
 out = Console(markup=False)
 _ANY_WIDTH = 10_000
 """More than any table takes."""
@@ -34,7 +34,7 @@ def remarks(photograph: Photograph) -> None:
 
 
 def say(line: str) -> None:
-    """A line for the user that is no result: where nobody can read it, all else goes on."""
+    """A line for the user that is not a result; the command goes on where nobody can read it."""
     with suppress(OSError):
         click.echo(printable(line), err=True)
 
@@ -70,7 +70,7 @@ def show(table: Table) -> None:
 
 @contextmanager
 def activity(text: str) -> Iterator[None]:
-    """Show that something of unknown length is going on; nothing if stderr is no terminal."""
+    """Show that something of unknown length is going on; nothing if stderr is not a terminal."""
     console = Console(stderr=True)
     # where there is none, early versions of rich leave an empty line
     with console.status(text) if console.is_terminal else nullcontext():

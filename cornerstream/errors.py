@@ -11,7 +11,7 @@ import click
 
 
 def printable(text: str) -> str:
-    """The text on one line: names of files may hold line breaks, and bytes that are no text."""
+    """The text on one line: names of files may hold line breaks and undecodable bytes."""
     return "".join(char if char.isprintable() else char.encode("unicode_escape").decode() for char in text)
 
 
@@ -80,7 +80,7 @@ def _in_one_line() -> Iterator[None]:
     except KeyboardInterrupt as error:
         raise Interrupted from error
     except BrokenPipeError:
-        # whoever reads has seen enough; click ends without a word
+        # the reader has seen enough; click ends silently
         raise
     except OSError as error:
         # stdout has no name: what it leads to may be full

@@ -64,7 +64,7 @@ def write_results(folder: Path, pixels: NDArray[np.uint8], panels: Sequence[Pane
 
 
 def prepare_file(path: Path) -> None:
-    """See that a file can be written, before long work begins; its folder is made if need be."""
+    """See that a file can be written, before long work begins; a missing folder is made."""
     _refuse_folder(path)
     if not _is_written_through(path):
         prepare_folder(_target(path).parent)
@@ -79,7 +79,7 @@ def _refuse_folder(path: Path) -> None:
 
 def check_distinct(*paths: Path | None) -> None:
     """:class:`BadInput` if two of these are one and the same file, whatever they are called; None
-    is no file.
+    stands for no file.
     """
     seen: dict[str, Path] = {}
     for path in filter(None, paths):
@@ -97,7 +97,7 @@ def result_paths(folder: Path, profiles: Sequence[str]) -> list[Path]:
 def write_all(contents: Mapping[Path, bytes]) -> None:
     """Write files under temporary names, renamed when all are complete: none is ever half written.
 
-    A link stays, and what it leads to is replaced. What is no regular file, such as a pipe or a
+    A link stays, and what it leads to is replaced. What is not a regular file, such as a pipe or a
     device, is written to when all else could be.
     """
     temporary: dict[Path, Path] = {}

@@ -60,13 +60,11 @@ from sim.waves import save_path
 Image = NDArray[np.unsignedinteger[Any]]
 
 _WAVE_BYTES = {"compiled": 10_000, "amaranth": 6_500, "verilog": 4_500, GATES: 7_000}
-"""Of waves per clock, measured on a frame full of detail with profile ``paper``: a smoother one
-takes less.
-"""
+"""Bytes of waves per clock, measured on a detailed frame with profile ``paper``."""
 _GRADIENT_FIT = 2.7
-"""Times as many with the gradient step, whose sums change with every pixel."""
+"""The gradient step takes so many times as many: its sums change with every pixel."""
 _MOST_PIXELS = 1 << 28
-"""Of a simulation, all frames together: each takes some 16 bytes of memory."""
+"""Pixels of a simulation, all frames together; each takes some 16 bytes of memory."""
 
 
 @dataclass(frozen=True)

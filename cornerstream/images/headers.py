@@ -1,7 +1,7 @@
 """What a file is, by its heading: what the decoder's answer does not tell, or tells differently by
 version.
 
-Pillow reads 16-bit colour, 10-bit AVIF and signed bytes as unsigned 8-bit pixels without a word. So
+Pillow reads 16-bit colour, 10-bit AVIF and signed bytes as unsigned 8-bit pixels silently. So
 depth and kind of number are taken from the file itself, and only formats whose heading is read here
 are read at all.
 """
