@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 from amaranth.back import rtlil
 from amaranth.lib import wiring
 
-from flow.cyclone4.area import Area, Block
+from flow.cyclone4.area import Area, Block, total
 from flow.cyclone4.netlist import PRIMITIVES, area_tree, own_area
 from flow.cyclone4.refine import refine
 from flow.netlist import Json
@@ -119,12 +119,15 @@ class Synthesis:
 
     @property
     def blocks(self) -> dict[str, Area]:
-        """Area of each block of the top module by name, all inside included; wiring between them is
-        ``(top)``. Of a stage, which only connects, its blocks count.
+        """Area of each block by name, all inside included: those of the detector's stages, or of
+        another top module. Wiring between them is ``(top)``.
         """
-        stages = [stage.blocks if stage.own == Area() else (stage,) for stage in self.tree.blocks]
-        areas = {block.name: block.area for block in chain.from_iterable(stages)}
-        return areas | {"(top)": self.tree.own} if self.tree.own != Area() else areas
+        stages = [block for block in self.tree.blocks if block.name.endswith("_stage")]
+        others = [block for block in self.tree.blocks if block not in stages]
+        blocks = [*others, *chain.from_iterable(stage.blocks for stage in stages)]
+        areas = {block.name: block.area for block in blocks}
+        own = total([self.tree.own, *(stage.own for stage in stages)])
+        return areas | {"(top)": own} if own != Area() else areas
 
     @property
     def total(self) -> Area:
