@@ -171,7 +171,7 @@ def read_figures(path: Path, make: Callable[[dict[str, Any]], Made]) -> Made:
     except OSError as error:
         raise BadInput(f"cannot read {path}: {reason(error)}; {allowed}") from error
     except ValueError as error:
-        raise BadInput(f"{path} is no JSON; {allowed}") from error
+        raise BadInput(f"{path} is not JSON; {allowed}") from error
     try:
         return make(figures)
     except (AttributeError, LookupError, TypeError, ValueError, UndefinedError) as error:
@@ -192,7 +192,7 @@ def earlier_files(folder: Path, manifest: str, what: str, *, force: bool) -> set
         Take somebody else's folder, too.
     """
     if folder.exists() and not folder.is_dir():
-        raise BadInput(f"{folder} is no folder; allowed: a folder that can be written")
+        raise BadInput(f"{folder} is not a folder; allowed: a folder that can be written")
     try:
         if not folder.exists() or not any(folder.iterdir()):
             return set()

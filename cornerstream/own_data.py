@@ -43,7 +43,7 @@ def _files(folder: Path, what: str) -> list[Path]:
     """Image files of a folder and its subfolders, in order."""
     try:
         if not folder.is_dir():
-            raise BadInput(f"{folder} is no folder; allowed: a folder with {what}")
+            raise BadInput(f"{folder} is not a folder; allowed: a folder with {what}")
         found = sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES)
     except OSError as error:
         raise BadInput(f"{folder} cannot be read: {reason(error)}; allowed: a folder with {what}") from error
@@ -124,7 +124,7 @@ def load_video(path: Path) -> list[Pair]:
         said: set[str] = set()
         frames = [shrink(_pixels(each, said)) for each in _files(path, "frames of a video")]
         if len(frames) <= FRAMES_APART or len({frame.shape for frame in frames}) > 1:
-            raise BadInput(f"{path} is no video; allowed: {FRAMES_APART + 1} or more frames of one size")
+            raise BadInput(f"{path} is not a video; allowed: {FRAMES_APART + 1} or more frames of one size")
         return frame_pairs(frames, path.name, path.name, pairs=PAIRS_PER_VIDEO, apart=FRAMES_APART)
     # OpenCV and FFmpeg, which it calls, write complaints of their own on stderr
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")

@@ -65,7 +65,7 @@ def histogram(responses: IntArray, parameters: Parameters) -> NDArray[np.int64]:
 def adapted_threshold(counts: NDArray[np.int64], target: int, parameters: Parameters) -> int:
     """The D that about ``target`` corners exceed; 0 if there are no more corners than that.
 
-    ``need`` is the number of corners that are wanted of the bin at hand; in the bin where the
+    ``need`` is the number of corners that the current bin has to supply; in the bin where the
     descent ends it is smaller than the count. need / count is then found bit by bit, as in a
     divider.
     """

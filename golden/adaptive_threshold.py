@@ -34,17 +34,13 @@ def local_level(windows: IntArray) -> IntArray:
 
 
 def prominence(peaks: IntArray, windows: IntArray, weight: int) -> IntArray:
-    """T of peaks (...) with the (..., 9, 9) windows of D around them; the weight is
-    ``Settings.mean_weight``.
-    """
+    """T of peaks (...) in (..., 9, 9) windows of D; ``weight`` is ``Settings.mean_weight``."""
     return peaks - ((weight * local_level(windows)) >> MEAN_WEIGHT_FRACTION_BITS)
 
 
 def adaptive_threshold(
     peaks: IntArray, windows: IntArray, t1: int, weight: int
 ) -> tuple[NDArray[np.bool_], IntArray]:
-    """F = T > T1, true where the corner is accepted, and the response that is reported: T, or 0
-    where T is negative.
-    """
+    """F = T > T1, true where the corner is accepted, and the reported response max(T, 0)."""
     standing_out = prominence(peaks, windows, weight)
     return standing_out > t1, np.maximum(standing_out, 0)

@@ -1,4 +1,4 @@
-"""The algorithm, which decides what corners there are and where, whatever the size; profiles."""
+"""The algorithm, which decides which corners there are and where, and its named profiles."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Algorithm:
         ``"none"``: S = D.
     ties
         ``"strict"``: neither of two equal neighbouring responses is a corner (Eq. 5); ``"first"``:
-        the one that comes first in raster order is.
+        the first one in raster order is.
     fit
         Subpixel step. A quadratic surface: by least squares over ``"nine"`` responses, exactly
         through the paper's ``"six"``, or by the formulas literally as ``"printed"`` (Eqs. 11-13;
@@ -56,8 +56,8 @@ class Algorithm:
         local level of D, and the response without that part is the one reported.
     patches
         Patches of the paper's texture filter (Fig. 5). ``"regions"``: patch k consists of the four
-        3x3 regions at the corners of the (2k+3)x(2k+3) square; ``"pixels"``: of four single pixels,
-        k away along the diagonals.
+        3x3 regions at the corners of the (2k+3)x(2k+3) square; ``"pixels"``: it consists of four
+        single pixels, k away along the diagonals.
     suppression
         Radius r of the non-maximum suppression, 1 to 4: a corner is the largest of the
         (2r+1)x(2r+1) responses around it, so that two such peaks are at least r+1 pixels apart in x
@@ -82,7 +82,7 @@ class Algorithm:
         "none", "Look for peaks in the response D as it is, or smoothed by [1 2 1] / 4 in x and y."
     )
     ties: Ties = option(
-        "strict", "Of two equal neighbouring responses, neither is a corner, or the first is."
+        "strict", "Two equal neighbouring responses: neither is a corner, or the first one is."
     )
     fit: Fit = option(
         "nine",
@@ -93,7 +93,7 @@ class Algorithm:
         "patches", "Texture filter: the paper's patches, or a threshold that rises with the local mean of D."
     )
     patches: Patches = option(
-        "regions", "Patches of the texture filter 'patches': of regions of 3x3, or of single pixels."
+        "regions", "Patches of the texture filter 'patches': regions of 3x3 pixels, or single pixels."
     )
     suppression: int = option(
         1,

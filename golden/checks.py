@@ -44,8 +44,9 @@ def check_distance(name: str, value: object) -> None:
 
 
 def _is_within(value: object, most: float) -> TypeGuard[float]:
-    """Is this a number from 0 to ``most``, and not NaN? It is compared as it is, because a float
-    does not hold every whole number.
+    """Is this a number from 0 to ``most``, and not NaN?
+
+    It is compared without a conversion, because a float does not hold every whole number.
     """
     return isinstance(value, Real) and not isinstance(value, bool) and bool(0 <= value <= most)  # type: ignore[operator]
 
@@ -58,8 +59,9 @@ def plain_integer(frozen: object, field: str, low: int, high: int) -> None:
 
 
 def check_fraction(field: str, value: object, limit: int, bits: int) -> None:
-    """Raise ``ValueError`` unless the value is 0, or is below the limit and not rounded to 0 with
-    so many fractional bits.
+    """Raise ``ValueError`` unless the value is 0, or below the limit and not rounded to 0.
+
+    It is rounded to ``bits`` fractional bits.
     """
     if not _is_within(value, limit) or value == limit:
         raise ValueError(f"{field} is {value!r}; allowed: 0 <= {field} < {limit}")

@@ -26,8 +26,9 @@ class Flag(IntFlag):
 
 
 class ByValue:
-    """Equality for dataclasses that hold arrays: all values are equal. They have no hash, because
-    arrays can change.
+    """Equality for dataclasses that hold arrays: all values are equal.
+
+    They have no hash, because arrays can change.
     """
 
     def __eq__(self, other: object) -> bool:
@@ -53,7 +54,7 @@ _KINDS: dict[str, tuple[type[np.generic], ...]] = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Corners(ByValue):
-    """Corners in raster order, as arrays of one length; empty arrays where there are none.
+    """Corners in raster order, as arrays of one length.
 
     Two ``Corners`` are equal if all their values are. A slice, a mask or an array of indices
     selects some of them: ``corners[corners.accepted]``.
@@ -72,7 +73,7 @@ class Corners(ByValue):
     Raises
     ------
     TypeError, ValueError
-        An attribute is no array, or has another dtype; or the arrays are not of one length.
+        An attribute is not an array, or has another dtype; or the arrays are not of one length.
     """
 
     x: NDArray[np.float64]
@@ -84,7 +85,7 @@ class Corners(ByValue):
         for name, value in vars(self).items():
             if not isinstance(value, np.ndarray):
                 raise TypeError(f"{name} is a {type(value).__name__}; allowed: a NumPy array")
-            # unsigned responses, for one, would be sorted wrongly
+            # for example, unsigned responses would be sorted wrongly
             if not any(np.issubdtype(value.dtype, kind) for kind in _KINDS[name]):
                 allowed = " or ".join(kind.__name__ for kind in _KINDS[name])
                 raise TypeError(f"{name} has dtype {value.dtype}; allowed: {allowed}")
@@ -101,7 +102,7 @@ class Corners(ByValue):
             )
         return Corners(self.x[which], self.y[which], self.response[which], self.flags[which])
 
-    # else Python would try whole numbers one after the other
+    # otherwise Python would try whole numbers one after the other
     __iter__ = None
 
     def __repr__(self) -> str:
@@ -158,21 +159,22 @@ class Corners(ByValue):
         return None
 
     def apart(self, distance: float) -> Corners:
-        """The corners without each accepted one that is nearer than ``distance`` pixels to a
-        stronger one that stays.
+        """The corners thinned out, so that accepted ones are at least ``distance`` pixels apart.
 
-        From the strongest to the weakest, a corner stays if none that already stays is nearer; of
-        equal responses, the first in raster order comes first. Rejected corners stay, and displace
-        none. The order remains raster order. The hardware has no such step: it only separates peaks
-        (``Algorithm.suppression``), and refined positions may be nearer to each other.
+        The accepted corners are taken from the strongest to the weakest; equal responses are taken
+        in raster order. A corner stays if no corner that already stays is nearer than the distance.
+        Rejected corners stay, and remove none. The result is in raster order. The hardware has no
+        such step: it only separates peaks (``Algorithm.suppression``), and refined positions may be
+        nearer to each other.
 
-        Each corner is compared with those in the nine cells around it of a grid as wide as the
-        distance; a cell holds few, so that n corners take n·log n steps, those of sorting.
+        The cells of a grid are as wide as the distance. Each corner is compared with those in the
+        nine cells around it; a cell holds few corners, so that sorting, n·log n steps for n
+        corners, takes most of the time.
 
         Raises
         ------
         ValueError
-            The distance is no number from 0 on.
+            The distance is not a number from 0 on.
         """
         check_distance("distance", distance)
         if distance == 0:

@@ -1,4 +1,4 @@
-"""The five numbers of which every subpixel step solves a corner's offset."""
+"""The five numbers from which every subpixel step computes a corner's offset."""
 
 from __future__ import annotations
 

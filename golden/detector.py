@@ -25,8 +25,9 @@ def pixel_dtype(parameters: Parameters) -> np.dtype[np.unsignedinteger[Any]]:
 
 
 def chosen_parameters(parameters: Parameters | None) -> Parameters:
-    """The detector that was asked for, by default the profile ``robust``; ``TypeError`` if it is
-    none.
+    """The detector that was asked for, by default the profile ``robust``.
+
+    ``TypeError`` if it is not :class:`Parameters`.
     """
     if parameters is None:
         return Parameters()
@@ -35,8 +36,9 @@ def chosen_parameters(parameters: Parameters | None) -> Parameters:
 
 
 def chosen_settings(settings: Settings | None, parameters: Parameters) -> Settings:
-    """The settings that were asked for, by default ``Settings.default``; ``TypeError`` or
-    ``ValueError`` if this detector cannot have them.
+    """The settings that were asked for, by default ``Settings.default``.
+
+    ``TypeError`` or ``ValueError`` if this detector cannot have them.
     """
     if settings is None:
         return Settings.default(parameters)
@@ -86,8 +88,8 @@ def detect(
     reference
         Dref. By default it is the constant if the settings say so, else the image's own largest D:
         the hardware has the same Dref from the second frame on while the scene stands still, and
-        OpenCV's ``qualityLevel`` refers to it, too. ``target_corners`` and ``reference_rank``
-        likewise count the image's own corners.
+        OpenCV's ``qualityLevel`` refers to it, too. In the same way, ``target_corners`` and
+        ``reference_rank`` count the image's own corners.
 
     Raises
     ------
@@ -99,7 +101,7 @@ def detect(
 
 
 class Detection(NamedTuple):
-    """The corners of one image, and the reference and thresholds that they were found with."""
+    """The corners of one image, with their reference and thresholds."""
 
     corners: Corners
     reference: int
@@ -113,7 +115,7 @@ def detection(
     *,
     reference: int | None = None,
 ) -> Detection:
-    """As :func:`detect`, and the reference and the thresholds beside the corners."""
+    """The same as :func:`detect`, with the reference and the thresholds beside the corners."""
     parameters = chosen_parameters(parameters)
     settings = chosen_settings(settings, parameters)
     image = check_image(image, parameters)
@@ -135,7 +137,7 @@ class FrameResult(ByValue):
     records
         (n,) uint64: all records, with the end-of-frame record as the last one.
     corners
-        The same without the end-of-frame record.
+        The corners of these records, without the end-of-frame record.
     maximum
         The largest D at which a corner may be, which is the next frame's reference.
     found

@@ -19,8 +19,9 @@ Int64 = NDArray[np.int64]
 
 
 def quotient_bits(limit: int) -> int:
-    """Number of bits that are found for quotients up to ``limit``, a power of two: one more than
-    the result has, for rounding.
+    """Number of bits that are found for quotients up to ``limit``, a power of two.
+
+    It is one more than the result has, for rounding.
     """
     return limit.bit_length() + 1
 
@@ -34,11 +35,11 @@ def divide(numerator: Int64, denominator: Int64, limit: int = HALF) -> Int64:
     Parameters
     ----------
     numerator
-        Of either sign, ``|numerator| < 2**54``.
+        Any sign; ``|numerator| < 2**54``.
     denominator
         Positive.
     limit
-        Largest size of the result, in units of 1/128, a power of two: larger ones become it.
+        Largest size of the result, in units of 1/128, a power of two; larger results are clamped.
     """
     magnitude = np.abs(numerator)
     halves = np.where(

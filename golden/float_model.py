@@ -1,4 +1,4 @@
-"""The whole algorithm once more in plain float64, for reading beside the paper.
+"""The whole algorithm in plain float64, for reading beside the paper.
 
 Nothing is rounded: there is no integer square root, no rounding after the kernel, no quantised
 threshold; surfaces are fitted by linear algebra, without mantissas. Only the decisions (maximum,
@@ -150,7 +150,7 @@ def design_matrix(x: NDArray[Any], y: NDArray[Any]) -> Map:
 def surface(samples: Map, fit: Fit) -> Map:
     """L0 ... L5 of Eq. 10 for 3x3 samples of D.
 
-    ``"printed"`` follows Eqs. 11 and 12, and recovers no surface at all.
+    ``"printed"`` follows Eqs. 11 and 12, which do not recover any surface.
     """
     flat = samples.reshape(9)
     six = list(SIX)
@@ -180,8 +180,7 @@ def peak(coefficients: Map, printed: bool = False) -> tuple[float, float, Flag]:
 
 
 def gradient_step(pixels: NDArray[Any]) -> tuple[float, float, Flag]:
-    """(dx, dy) of the point q to which the gradients of a 9x9 window of pixels are orthogonal, and
-    its flags.
+    """(dx, dy) and flags of the point q to which the gradients of 9x9 pixels are orthogonal.
 
     There is one equation g·(q - p) = 0 for each of the 49 pixels p; they are solved by least
     squares, and the result is clamped to 4 pixels.

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 SUPPORT = 15
-"""Side of the square of pixels that decides one corner: gradient 3, smoothing 5, response window
-9.
-"""
+"""Side of the square of pixels that decides a corner: gradient 3, smoothing 5, responses 9."""
 MARGIN = SUPPORT // 2
-"""Pixels at each edge of a frame at which no peak is a corner. The refined position of a corner may
-be nearer to the edge.
+"""Pixels at each edge of a frame at which no peak is a corner.
+
+The refined position of a corner may be nearer to the edge.
 """
 SMOOTHING_SIZE = 5
 """Side of the smoothing kernel (Eq. 1)."""
@@ -18,12 +17,13 @@ WINDOW_SIZE = 9
 OFFSET_BITS = 7
 """Fractional bits of a corner's position: one unit is 1/128 pixel."""
 COORDINATE_BITS = 20
-"""Bits of x and of y in a record, OFFSET_BITS of them fractional."""
+"""Bits of x and of y in a record; OFFSET_BITS of them are fractional."""
 SIGMA_BITS = 16
 """Fractional bits of sigma1 and sigma2."""
 SIGMA2_INTEGER_BITS = 4
-"""Bits of sigma2 before the point: it reaches 16. tau cannot exceed 8 times the frame's largest D,
-so with that as Dref 8 is plenty.
+"""Bits of sigma2 before the point: it is below 16.
+
+tau cannot exceed 8 times the frame's largest D; with that as Dref, 8 would be enough.
 """
 MEAN_WEIGHT_BITS, MEAN_WEIGHT_FRACTION_BITS = 4, 3
 """sigma2 where the texture filter is an adaptive threshold: 0 to 15 eighths."""
@@ -37,8 +37,9 @@ BUDGET_SETTINGS = {
     **dict.fromkeys(("max_corners", "target_corners", "reference_rank"), BUDGET_BITS),
     "smoothing": SMOOTHING_BITS,
 }
-"""Fields of ``Settings`` that only a detector built with ``budget`` has, and their widths. 0
-switches each of them off.
+"""Fields of ``Settings`` that only a detector built with ``budget`` has, and their widths.
+
+0 switches each of them off.
 """
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
 """Largest width and height of a frame: positions fit a record."""

@@ -10,7 +10,7 @@
 7. Records: 64 bits for each corner (Eqs. 14-17), no more than the budget allows.
 8. History: what the reference and the thresholds of the next frame depend on.
 
-``golden.detector`` takes these steps for an image by itself and for a stream of frames;
+``golden.detector`` takes these steps for a single image and for a stream of frames;
 ``golden.video`` builds on that stream.
 """
 
@@ -74,11 +74,11 @@ class Frame:
     Parameters
     ----------
     image
-        (height, width) pixels, which ``golden.check_image`` has found good.
+        (height, width) pixels, which ``golden.check_image`` has accepted.
     parameters, settings
         The detector, and its settings in this frame.
     responses
-        (height-6, width-6), another D than :func:`response_map` of the image; None: that one.
+        (height-6, width-6) D, if it is not :func:`response_map` of the image; None: it is.
 
     Attributes
     ----------
@@ -102,13 +102,13 @@ class Frame:
         return int(self.peaks[radius:-radius, radius:-radius].max())
 
     def thresholds(self, history: History, reference: int | None = None) -> tuple[int, Thresholds]:
-        """Dref and the thresholds; a ``reference`` that is given is Dref."""
+        """Dref and the thresholds; if ``reference`` is given, it is Dref."""
         if reference is None:
             reference = choose_reference(self.settings, *history)
         return reference, thresholds(self.settings, reference, self.parameters, history.adapted)
 
     def own_thresholds(self, reference: int | None = None) -> tuple[int, Thresholds]:
-        """As :meth:`thresholds`, for an image that is its own history."""
+        """The same as :meth:`thresholds`, for an image that is its own history."""
         itself = History(self.maximum)
         _, limits = self.thresholds(itself, reference)
         return self.thresholds(self.next_history(limits, itself), reference)

@@ -1,4 +1,4 @@
-"""Options: fields of a frozen dataclass, each with its default, what is allowed and a line of help.
+"""Options: fields of a frozen dataclass, each with its default, allowed values and help text.
 
 All of this is written beside the field and nowhere else. The checks and the command line are made
 from it.
@@ -43,8 +43,9 @@ class Option:
     high: int
 
     def check(self, frozen: object) -> None:
-        """Raise ``ValueError`` unless the field's value is allowed; whole numbers become Python's
-        own.
+        """Raise ``ValueError`` unless the field's value is allowed.
+
+        Whole numbers of other types become Python's ``int``.
         """
         value = getattr(frozen, self.name)
         if self.kind is str:
@@ -58,8 +59,10 @@ class Option:
 
 
 def option(default: T, help: str, *, low: int = 0, high: int = 0) -> T:
-    """A field that is an option. Its annotation, a ``Literal``, int, float or bool, is its kind;
-    the bounds are those of :class:`Option`.
+    """A field that is an option.
+
+    Its annotation, a ``Literal``, int, float or bool, is its kind; the bounds are those of
+    :class:`Option`.
     """
     return field(default=default, metadata={"help": help, "low": low, "high": high})
 
@@ -67,7 +70,7 @@ def option(default: T, help: str, *, low: int = 0, high: int = 0) -> T:
 def options(owner: type) -> dict[str, Option]:
     """The options of a dataclass by name, in the order of its fields, its parents' first.
 
-    A field that allows only one value is none of them: there is nothing to choose.
+    A field that allows only one value is not an option: there is nothing to choose.
     """
     return {name: each for name, each in _fields(owner).items() if len(each.choices) != 1}
 

@@ -25,7 +25,7 @@ bits    end-of-frame record
 39:24   frame number since reset, modulo 65536
 60:40   largest D of the pixels at which a corner may be: the next frame's
         reference
-62:61   both set
+62:61   both are set
 63      CUT: the frame was cut short. It then lacks corners, and bits 60:40 are 0.
         The detector by itself never cuts one; see ``golden.video``
 ======  ==========================================================================
@@ -106,7 +106,7 @@ def encode_frame_end(end: FrameEnd) -> int:
 def decode(words: Records) -> Corners:
     """Corners of an array of 64-bit records, (n,) uint64; end-of-frame records are left out.
 
-    ``TypeError`` or ``ValueError`` for anything else: other types do not hold the same 64 bits.
+    Anything else raises ``TypeError`` or ``ValueError``: other types do not hold the same 64 bits.
     """
     if not isinstance(words, np.ndarray):
         raise TypeError(f"records are a {type(words).__name__}; allowed: a NumPy array of uint64")
@@ -135,7 +135,7 @@ def decode_frame_end(word: int) -> FrameEnd:
     Raises
     ------
     TypeError
-        The word is no whole number.
+        The word is not a whole number.
     ValueError
         It has more than 64 bits, or is a corner record.
     """

@@ -39,7 +39,7 @@ class Parameters:
     Raises
     ------
     TypeError
-        The algorithm is none.
+        The algorithm is not an :class:`Algorithm`.
     ValueError
         A field has a value that is not allowed; the message names the field, its value and what is
         allowed.
@@ -88,7 +88,7 @@ class Parameters:
         ValueError
             There is no such profile, or a field has a value that is not allowed.
         TypeError
-            The name is no string, or there is no such field.
+            The name is not a string, or there is no such field.
         """
         check_type("profile", name, str)
         if name not in PROFILES:
@@ -98,7 +98,7 @@ class Parameters:
     def changed(self, **changes: Any) -> Self:
         """The same detector with some of its own or its algorithm's fields changed.
 
-        ``ValueError`` and ``TypeError`` as for :meth:`profile`.
+        It raises ``ValueError`` and ``TypeError`` as :meth:`profile` does.
         """
         algorithm = {name: value for name, value in changes.items() if name in _ALGORITHM}
         own = {name: value for name, value in changes.items() if name not in _ALGORITHM}
@@ -147,8 +147,9 @@ class Parameters:
 
     @property
     def pixels_per_region(self) -> int:
-        """Pixels in one region of a patch. tau stays multiplied by it, so that nothing has to be
-        divided.
+        """Pixels in one region of a patch.
+
+        tau stays multiplied by it, so that nothing has to be divided.
         """
         return 9 if self.algorithm.patches == "regions" else 1
 

@@ -59,9 +59,9 @@ class Settings:
         corners do not count, and none is reported after the last accepted one. 0: no limit. It is
         only built with ``budget``.
     target_corners
-        Number of accepted corners per frame to aim at: T1 becomes the one that would have left so
-        many of the previous frame, but no less than sigma1 · floor; see ``golden.adaptation``. 0:
-        T1 as above. It is only built with ``budget``.
+        Number of accepted corners per frame to aim at: T1 becomes the value that would have left so
+        many corners of the previous frame, but no less than sigma1 · floor; see
+        ``golden.adaptation``. 0: T1 as above. It is only built with ``budget``.
     reference_rank
         Dref is the D that so many corners of the previous frame exceed, in place of its largest: a
         few bright pixels then do not decide about all others. Where a frame has fewer corners, Dref
@@ -174,7 +174,7 @@ class Settings:
 
     @property
     def wanted_corners(self) -> int:
-        """Number of corners that exceed the D left to the next frame; 0: none is left."""
+        """Number of corners that exceed the D handed to the next frame; 0: no D is handed on."""
         return self.target_corners or self.reference_rank
 
     @property

@@ -1,4 +1,4 @@
-"""Integer square root: Li and Chu's non-restoring algorithm, and a fast function that equals it."""
+"""Integer square root: Li and Chu's non-restoring algorithm, and a fast equivalent."""
 
 from __future__ import annotations
 

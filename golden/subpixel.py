@@ -1,6 +1,4 @@
-"""Subpixel refinement (Sec. 3.4): the peak of a quadratic surface through 3x3 responses, or a
-gradient step.
-"""
+"""Subpixel refinement (Sec. 3.4): the peak of a quadratic surface, or a gradient step."""
 
 from __future__ import annotations
 
@@ -87,7 +85,7 @@ def fit_six(s: IntArray) -> Surface:
 def fit_printed(s: IntArray) -> Surface:
     """L = (Vx · Vy) S with the two ``vander`` matrices of Eqs. 11 and 12, times 6.
 
-    The product has rank 3, so this is no fit at all.
+    The product has rank 3, so this is not a fit at all.
     """
     x, y = np.array([-1, -1, 1, 0, 1, -1]), np.array([-1, 0, 0, 1, -1, 1])
     weights = np.vander(x) @ np.vander(y)
@@ -107,8 +105,8 @@ class SubpixelFit:
     Parameters
     ----------
     derivatives
-        The five values, out of (..., 3, 3) responses and (..., 9, 9) pixels around each corner; the
-        pixels are needed where ``by_pixels`` says so, and else ignored.
+        The five values, from (..., 3, 3) responses and (..., 9, 9) pixels around each corner; the
+        pixels are needed if ``by_pixels``, and are ignored otherwise.
     largest
         The largest size of one of the five values in a detector with these parameters.
     limit
@@ -116,7 +114,7 @@ class SubpixelFit:
     mantissa_bits
         Bits of the five values, beside their sign, that go into the products of Eq. 13.
     by_pixels
-        It goes by the pixels, not by the responses.
+        It reads the pixels, not the responses.
     printed
         Eq. 13 with its misprint, and without asking for a maximum; see :func:`peak`.
     """
@@ -130,7 +128,7 @@ class SubpixelFit:
 
 
 def _by_surface(fit: Callable[[IntArray], Surface], printed: bool = False) -> SubpixelFit:
-    """The peak of a surface: it means nothing beyond half a pixel."""
+    """The peak of a surface, which has no meaning beyond half a pixel."""
     # each value is a weighted sum of the samples: it is largest where only those with weights of
     # one sign are not zero
     units = np.eye(9, dtype=np.int64).reshape(9, 3, 3)
@@ -174,9 +172,9 @@ def derivative_bits(parameters: Parameters) -> int:
 
 
 def mantissas(values: Derivatives[Int64], bits: int, mantissa_bits: int) -> Derivatives[Int64]:
-    """The five values as block floating point: ``mantissa_bits`` and a sign each, all with one
-    exponent.
+    """The five values as block floating point, with one exponent for all.
 
+    Each mantissa has ``mantissa_bits`` and a sign.
     The peak depends on ratios only. So all values are shifted up until the largest, which has
     ``bits`` bits at most, is at the top, or until nothing would be lost; then they are rounded
     down.
@@ -201,7 +199,7 @@ def peak(
         dy = (2 L0 L4 - L2 L3) / (L2² - 4 L0 L1) = (xx·y + xy·x) / (xx·yy - xy²)
 
     Where a curvature or the denominator has the wrong sign, the offset is (0, 0). Beyond the limit,
-    in 1/128 pixel, it is clamped, each axis for itself. ``bits`` is the width of the largest value
+    in 1/128 pixel, each axis is clamped by itself. ``bits`` is the width of the largest value
     (:func:`derivative_bits`), ``mantissa_bits`` that of the factors.
 
     ``printed`` leaves the misprint 2 L1 L2 in the first numerator and, as the paper, does not ask
@@ -228,9 +226,9 @@ def subpixel(responses: IntArray, parameters: Parameters, pixels: Image | None =
     Parameters
     ----------
     responses
-        (..., 3, 3) around each corner; of these a surface is fitted.
+        (..., 3, 3) around each corner; a surface is fitted to these.
     pixels
-        (..., 9, 9) around each corner; ``fit="gradient"`` goes by these, and only that.
+        (..., 9, 9) around each corner; only ``fit="gradient"`` reads them.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Thresholds of one frame: sigma1 and sigma2 times the reference, or what a target asks for."""
+"""Thresholds of one frame: sigma1 and sigma2 times the reference, or those of a target."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Thresholds(NamedTuple):
     """In units of D."""
     t2: int
     """In units of tau, which is scaled by ``Parameters.pixels_per_region``. With
-    ``texture="mean"``, it is no threshold but ``Settings.mean_weight``.
+    ``texture="mean"``, it is not a threshold but ``Settings.mean_weight``.
     """
 
 
@@ -28,7 +28,7 @@ def choose_reference(settings: Settings, previous_maximum: int | None, adapted: 
     previous_maximum
         None after reset; Dref is then the constant.
     adapted
-        Dref where the settings have a rank and no target; None: no frame before has been counted.
+        Dref where the settings have a rank and no target; None: no frame has been counted yet.
     """
     if settings.reference == "constant" or previous_maximum is None:
         return max(settings.constant, settings.floor)
@@ -45,8 +45,8 @@ def thresholds(
     Parameters
     ----------
     adapted
-        T1 where the settings have a target, but no less than sigma1 · floor; None: no frame before
-        has been counted.
+        T1 where the settings have a target, but no less than sigma1 · floor; None: no frame has
+        been counted yet.
     """
     t1 = (settings.sigma1_fixed * reference) >> SIGMA_BITS
     t2 = (settings.sigma2_fixed * reference * parameters.pixels_per_region) >> SIGMA_BITS

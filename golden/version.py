@@ -1,3 +1,3 @@
-"""The version, in one place: of the Python packages and of every file that leaves the house."""
+"""The version of the Python packages and of every generated file, in one place."""
 
 VERSION = "0.3.0"

@@ -229,7 +229,7 @@ class VideoModel:
         together = np.array(pixels)
         if together.dtype.kind in "iu" and together.min() >= 0 and together.max() <= largest:
             return
-        # one by one only to say which
+        # one by one, only to name the one that is wrong
         for pixel in pixels:
             check_integer("pixel", pixel, 0, largest)
 
@@ -318,8 +318,9 @@ class VideoModel:
 
 
 def framed(image: Image, *, sof: bool = True, eol: bool = True) -> list[tuple[int, bool, bool]]:
-    """The beats ``(pixel, start of frame, end of line)`` of a frame: a well-formed one, or one
-    without its start of frame or its ends of line.
+    """The beats ``(pixel, start of frame, end of line)`` of a well-formed frame.
+
+    ``sof`` or ``eol`` False: its start of frame or its ends of line are missing.
     """
     width = image.shape[1]
     return [

@@ -114,7 +114,7 @@ class Bench:
             Says what to install.
         BenchError
             The module cannot be imported, a test is missing, the simulator crashed or took too
-            long. A test that fails is no error: see :attr:`Result.passed` and :func:`check`.
+            long. A test that fails is not an error: see :attr:`Result.passed` and :func:`check`.
         """
         folder.mkdir(parents=True, exist_ok=True)
         results, log = folder.resolve() / "results.xml", folder / "cocotb.log"

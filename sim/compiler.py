@@ -52,7 +52,7 @@ def _from_command(command: tuple[str, ...], origin: str) -> Compiler:
             f"{origin} {shlex.join(command)!r} cannot be run: {error.strerror}; allowed: a C++ compiler"
         ) from None
     if done.returncode != 0:
-        raise CompilerNotFoundError(f"{origin} {shlex.join(command)!r} is no C++ compiler")
+        raise CompilerNotFoundError(f"{origin} {shlex.join(command)!r} is not a C++ compiler")
     lines = done.stdout.strip().splitlines() or ["unknown version"]
     return Compiler(command, f"{Path(command[0]).name}: {lines[0]}")
 

@@ -133,7 +133,7 @@ def clocks(parameters: Build, notify: Notify | None = None) -> Figures:
     if mismatches:
         raise FigureError(f"hardware and golden model differ: {summarize(mismatches)}")
     second = result.frames[1]
-    # the last record of a frame closes it and is no corner
+    # the last record of a frame closes it and is not a corner
     return {"clocks_per_frame": second.clocks, "corners": len(second.records) - 1, "engine": engine.name}
 
 

@@ -162,7 +162,7 @@ def frame_pairs(frames: list[Image], name: str, group: str, *, pairs: int, apart
 def _frames(path: Path) -> list[Image]:
     cv2 = opencv()
     if not path.is_file():
-        raise SourceError(f"{path} is no file; allowed: a video that OpenCV can read")
+        raise SourceError(f"{path} is not a file; allowed: a video that OpenCV can read")
     capture = cv2.VideoCapture(str(path))
     found: list[Image] = []
     try:
@@ -198,5 +198,5 @@ def read_homography(path: Path) -> NDArray[np.float64]:
     except (OSError, ValueError) as error:
         raise SourceError(f"{path} cannot be read as a homography; allowed: 3x3 numbers") from error
     if matrix.shape != (3, 3) or not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < 1e-12:
-        raise SourceError(f"{path} is no homography; allowed: 3x3 numbers with an inverse")
+        raise SourceError(f"{path} is not a homography; allowed: 3x3 numbers with an inverse")
     return matrix

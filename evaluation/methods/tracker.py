@@ -69,7 +69,7 @@ class _Best:
 
 def _moments(image: Image, window: int) -> tuple[Floats, Floats, Floats]:
     """Grey levels about 128, means of all patches, and 1 / their standard deviation, 0 where there
-    is no patch.
+    is not a patch.
     """
     cv2 = opencv()
     grey = image.astype(np.float32) - 128

@@ -47,7 +47,7 @@ def project_files(
     Raises
     ------
     ValueError
-        The clock is no positive number, Quartus does not know the device, there is no such detector
+        The clock is not a positive number, Quartus does not know the device, there is no such detector
         in hardware, or the core cannot be called so.
     flow.verilog.VerilogError
         Yosys refused the design.

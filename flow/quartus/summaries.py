@@ -119,7 +119,7 @@ def read_report(folder: Path) -> QuartusReport:
     Raises
     ------
     ReportError
-        The Fitter's is missing, there are several, or it is no such report of a device with logic
+        The Fitter's is missing, there are several, or it is not such a report of a device with logic
         elements.
     """
     fit_path = _find(folder, "fit")
@@ -174,7 +174,7 @@ def _missed(slacks: list[_Slack]) -> tuple[str, ...]:
 
 def _find(folder: Path, kind: str) -> Path:
     if not folder.is_dir():
-        raise ReportError(f"{folder} is no folder; allowed: the folder of a compiled Quartus project")
+        raise ReportError(f"{folder} is not a folder; allowed: the folder of a compiled Quartus project")
     pattern = f"*.{kind}.summary"
     found = [path for place in _FOLDERS for path in sorted((folder / place).glob(pattern))]
     if len(found) != 1:

@@ -28,8 +28,9 @@ class ResponseFunction(Protocol):
 
     @staticmethod
     def exact(a: Tensor, b: Tensor, c: Tensor, pixel_bits: int) -> Tensor:
-        """D of the smoothed tensor in float64, for the float model: it shares no arithmetic with
-        :meth:`response`.
+        """D of the smoothed tensor in float64, for the float model.
+
+        It shares no arithmetic with :meth:`response`.
         """
         ...
 

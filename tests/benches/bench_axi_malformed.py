@@ -361,7 +361,7 @@ async def records_overflow(bench: Bench, random_: Random) -> None:
 
 @row
 async def disabled(bench: Bench, random_: Random) -> None:
-    """Amid a frame, which goes on; the ones that follow are dropped, and that is no error."""
+    """Amid a frame, which goes on; the ones that follow are dropped, and that is not an error."""
     for _ in range(2):
         await amid(bench, random_)
         await bench.enable(False)

@@ -12,7 +12,7 @@ from cornerstream import console
 
 
 def printed(capsys: pytest.CaptureFixture[str]) -> str:
-    table = Table("first heading", "second one", caption="[ ] is no markup")
+    table = Table("first heading", "second one", caption="[ ] is not markup")
     table.add_row("1920x1080", "1234567890")
     console.show(table)
     return capsys.readouterr().out
@@ -37,4 +37,4 @@ def test_a_table_in_a_pipe_keeps_its_text(
     monkeypatch.setattr(console, "out", Console(markup=False))
     text = printed(capsys)
     assert "first heading" in text and "1920x1080" in text and "1234567890" in text and "…" not in text
-    assert len(text.splitlines()) == 6 and "[ ] is no markup" in text
+    assert len(text.splitlines()) == 6 and "[ ] is not markup" in text

@@ -148,7 +148,7 @@ def test_another_package_replaces_the_first() -> None:
 def test_a_foreign_folder_is_left_alone() -> None:
     Path("mine").mkdir()
     Path("mine/thesis.tex").write_text("years of work")
-    # a project for Quartus is no package either
+    # a project for Quartus is not a package either
     Path("mine/cornerstream.json").write_text('{"files": []}')
     before = contents(Path("mine"))
     result = run("package", "-o", "mine", *SIZE, code=2)
@@ -181,7 +181,7 @@ def test_nothing_is_half_written(monkeypatch: pytest.MonkeyPatch, folder: Path) 
         (("--interface", "stream"), "'stream' is not one of 'axi', 'avalon'"),
         (("--max-width", "14"), "max_width is 14; allowed: whole numbers from 15"),
         (("--fit", "printed"), "fit is 'printed', which only the golden model has"),
-        (("-o", "file"), "file is no folder"),
+        (("-o", "file"), "file is not a folder"),
         (
             ("--name", "a__b"),
             "name is 'a__b'; allowed: a letter, then letters, digits and single underscores",

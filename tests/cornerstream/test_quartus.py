@@ -157,7 +157,7 @@ def test_nothing_is_half_written(monkeypatch: pytest.MonkeyPatch, folder: Path) 
         (("--clock", "fast"), "'fast' is not a valid float"),
         (("--max-width", "14"), "max_width is 14; allowed: whole numbers from 15"),
         (("--fit", "printed"), "fit is 'printed', which only the golden model has"),
-        (("-o", "file"), "file is no folder"),
+        (("-o", "file"), "file is not a folder"),
     ],
 )
 def test_bad_input(options: tuple[str, ...], message: str, folder: Path) -> None:
@@ -386,7 +386,7 @@ def test_foreign_reports(fit: str, sta: str, message: str) -> None:
 
 
 def test_missing_reports() -> None:
-    assert "nowhere is no folder" in run("quartus", "report", "nowhere", code=2).stderr
+    assert "nowhere is not a folder" in run("quartus", "report", "nowhere", code=2).stderr
     run("quartus", "export", "-o", "project", *SIZE)
     message = "no *.fit.summary in project and project/output_files; allowed: one, of a compiled"
     assert message in run("quartus", "report", "project", code=2).stderr

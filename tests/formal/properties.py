@@ -41,7 +41,7 @@ INVARIANT = "invariant"
 
 
 def invariant(m: Module, holds: Any, message: str) -> None:
-    """Assert something about the insides of a block that is no promise of its own, but needed to
+    """Assert something about the insides of a block that is not a promise of its own, but needed to
     prove one.
     """
     m.d.comb += Assert(holds, f"{INVARIANT}: {message}")

@@ -303,7 +303,7 @@ def test_command_on_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert not Path("empty").exists()
     Path("empty").mkdir()
     Path("empty/comparison.json").write_text("{")
-    assert "empty/comparison.json is no JSON" in run("--page", "-o", "empty", code=2).stderr
+    assert "empty/comparison.json is not JSON" in run("--page", "-o", "empty", code=2).stderr
 
 
 def test_help() -> None:

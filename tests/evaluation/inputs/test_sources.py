@@ -86,7 +86,7 @@ def test_videos_that_cannot_be_used(video: Path, tmp_path: Path) -> None:
         SourceError, match=r"clip.avi has 12 readable frames; allowed: a video with 13 or more"
     ):
         video_pairs(video, "group", apart=12)
-    with pytest.raises(SourceError, match=r"missing.mp4 is no file; allowed: a video"):
+    with pytest.raises(SourceError, match=r"missing.mp4 is not a file; allowed: a video"):
         video_pairs(tmp_path / "missing.mp4", "group")
     text = tmp_path / "text.mp4"
     text.write_text("no video at all")
@@ -112,9 +112,9 @@ def test_homographies(tmp_path: Path) -> None:
     good.write_text("1 0 3\n0 1 4\n0 0 1\n")
     assert read_homography(good)[0, 2] == 3
     for text, problem in (
-        ("1 2 3\n4 5 6\n", "is no homography"),
-        ("1 0 0\n0 1 0\n0 0 0\n", "is no homography"),
-        ("1 0 nan\n0 1 0\n0 0 1\n", "is no homography"),
+        ("1 2 3\n4 5 6\n", "is not a homography"),
+        ("1 0 0\n0 1 0\n0 0 0\n", "is not a homography"),
+        ("1 0 nan\n0 1 0\n0 0 1\n", "is not a homography"),
         ("one two\n", "cannot be read as a homography"),
     ):
         good.write_text(text)
