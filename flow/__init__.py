@@ -1,1 +1,1 @@
-"""What leaves the house: Verilog."""
+"""From the hardware to other tools: Verilog, packages, synthesis, Quartus, formal proofs."""

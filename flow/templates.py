@@ -1,4 +1,4 @@
-"""Files that are mostly text, rendered with Jinja from templates that lie beside the code."""
+"""Files that are mostly text, rendered with Jinja from templates beside the code."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import jinja2
 
 
 def render(folder: Path, template: str, known: dict[str, Any]) -> str:
-    """The text of ``template``, which is named without its ending ``.j2``; all names that it uses
-    must be in ``known``.
+    """The text of ``template``, which is named without its ending ``.j2``.
 
+    All names that it uses must be in ``known``.
     The filter ``hex`` writes a number with ``0x`` and, unless told otherwise, eight digits.
     """
     environment = jinja2.Environment(

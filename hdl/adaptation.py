@@ -1,6 +1,4 @@
-"""Adaptation to the frame before (``golden.adaptation``): a histogram of all corners, read after
-each frame.
-"""
+"""Adaptation to the frame before (``golden.adaptation``): a histogram, read after each frame."""
 
 from __future__ import annotations
 
@@ -23,16 +21,15 @@ back.
 
 
 def adapted_layout(parameters: Parameters) -> data.StructLayout:
-    """T1 or Dref for the next frame, and whether there is one: only behind a complete frame that
-    was aimed at.
+    """T1 or Dref for the next frame, and whether it is valid.
+
+    It is valid after a complete frame that had a target or a rank.
     """
     return data.StructLayout({"t1": parameters.response_bits, "known": 1})
 
 
 def aim_layout() -> data.StructLayout:
-    """What a frame is counted for: ``Settings.wanted_corners``, with a rank all its peaks, and
-    ``smoothing``.
-    """
+    """Why a frame is counted: ``Settings.wanted_corners``, whether by rank, and ``smoothing``."""
     return data.StructLayout({"corners": BUDGET_BITS, "rank": 1, "smoothing": SMOOTHING_BITS})
 
 
@@ -51,7 +48,7 @@ class Adaptation(wiring.Component):
     Parameters
     ----------
     parameters
-        Of the detector, built with ``budget``.
+        Parameters of the detector, with ``budget``.
 
     Members
     -------
@@ -147,9 +144,7 @@ class Adaptation(wiring.Component):
         return number
 
     def _histogram(self, m: Module, scanning: Signal, place: Signal) -> tuple[Signal, Signal]:
-        """Counts corners, and reads and clears; returns a count that has been read, and whether
-        there is one.
-        """
+        """Counts, reads and clears; returns a count that has been read, and whether it is valid."""
         number = Signal.like(place)
         memory = Memory(
             shape=BUDGET_BITS, depth=bins(self._parameters), init=[], attrs={"ram_style": "block"}
@@ -186,8 +181,9 @@ class Adaptation(wiring.Component):
     def _descend(
         self, m: Module, ended: Signal, count: Signal, read: Signal, found: Signal, below: Signal
     ) -> None:
-        """Adds the bins up to the target. ``below`` is one less than the smallest D that is wanted
-        so far.
+        """Adds the bins up to the target.
+
+        ``below`` is one less than the smallest D that is wanted so far.
         """
         p = self._parameters
         need, width = Signal(BUDGET_BITS + 1), Signal(p.response_bits)

@@ -20,8 +20,9 @@ from hdl.thresholds import thresholds_layout
 
 
 class AdaptiveThreshold(wiring.Component):
-    """F: is T = S - sigma2 · L of a 9x9 window above T1? In place of
-    :class:`hdl.texture_filter.TextureFilter`.
+    """F: is T = S - sigma2 · L of a 9x9 window above T1?
+
+    It takes the place of :class:`hdl.texture_filter.TextureFilter`.
 
     The sum over the window follows the columns: a new column's sum is added, that of nine columns
     before is subtracted. That holds across ends of rows too, where windows are not complete and
@@ -113,8 +114,9 @@ class AdaptiveThreshold(wiring.Component):
         return total
 
     def _centre(self, pipe: Pipeline) -> Signal:
-        """S of the window's centre, at clock 3. At clock 2 it is as many columns behind the newest
-        as rows above.
+        """S of the window's centre, at clock 3.
+
+        At clock 2 it is as many columns behind the newest as rows above.
         """
         reach = self._rows // 2
         value = responses(self.centres.payload)[reach]

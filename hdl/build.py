@@ -1,6 +1,4 @@
-"""How a detector is built: what hardware has beside the parameters that it shares with the golden
-model.
-"""
+"""How a detector is built: the options that only hardware has, beside the golden model's."""
 
 from __future__ import annotations
 
@@ -13,13 +11,14 @@ from golden.parameters import Parameters
 Buffering = Literal["banked", "lean"]
 
 BUILDS: dict[str, dict[str, Any]] = {"paper": {"buffering": "banked"}, "robust": {"buffering": "lean"}}
-"""What each profile is built with, where it is not as usual."""
+"""Fields in which a profile differs from the defaults of :class:`Build`."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Build(Parameters):
-    """A detector as hardware: its parameters, and what changes memory, delay or edges, but never a
-    record.
+    """A detector as hardware: its parameters, and options that never change a record.
+
+    Those change memory, delay or edges.
 
     Parameters
     ----------
@@ -35,13 +34,14 @@ class Build(Parameters):
         Pass the pixels on, with a corner flag. Hardware only; takes 7 rows of block RAM
         (``"lean"``) or 9.
     autostart
-        Start enabled, with the settings of ``Settings.default`` and the largest frame, where nobody
-        writes the registers. Hardware only.
+        Start enabled, with the settings of ``Settings.default`` and the largest frame, for designs
+        that write no register. Hardware only.
 
     Raises
     ------
     ValueError
-        Names the field, its value and what is allowed.
+        A field has a value that is not allowed; the message names the field, its value and what is
+        allowed.
     """
 
     buffering: Buffering = option(
@@ -66,7 +66,5 @@ class Build(Parameters):
 
     @classmethod
     def profile(cls, name: str, **changes: Any) -> Self:
-        """The named profile as it is built by default, with some fields changed: see
-        ``Parameters.profile``.
-        """
+        """The named profile as it is built by default, with changes: see ``Parameters.profile``."""
         return super().profile(name, **{**BUILDS.get(name, {}), **changes})

@@ -1,6 +1,4 @@
-"""Where corner detection, texture filter and surface fit meet: picks the candidates and says where
-they lie.
-"""
+"""Candidate selection: joins corner detection, texture filter and surface fit."""
 
 from __future__ import annotations
 
@@ -74,7 +72,8 @@ class CandidateSelection(wiring.Component):
         Stream of ``Beat(texture_layout(parameters))`` from the texture filter, for the same centres
         in the same clocks.
     surfaces
-        Stream of ``derivatives_layout(parameters)`` from the surface fit, likewise.
+        Stream of ``derivatives_layout(parameters)`` from the surface fit, for the same centres in
+        the same clocks.
     candidate
         Stream of ``derivatives_layout(parameters)``.
     pending
@@ -82,13 +81,13 @@ class CandidateSelection(wiring.Component):
     last
         In this clock the frame's last window leaves.
     largest
-        Largest response so far: of the frame before, from the clock after its last window until the
-        next one's first.
+        Largest response of the frame so far. From the clock after a frame's last window until the
+        next frame's first, it is that of the whole frame.
     corner_flags
         With ``video_out`` only: stream of ``corner_flag_layout()``, one for every window.
     max_corners, rank
-        With ``budget`` only: the limit, and that all peaks are counted, be they textured or not;
-        steady from before a frame's first window to its last.
+        With ``budget`` only: the limit, and whether textured peaks are counted, too; steady from
+        before a frame's first window to its last.
     counted, strength
         With ``budget`` only: in this clock there is a corner that counts whatever T1 is, and its
         response.
@@ -130,7 +129,7 @@ class CandidateSelection(wiring.Component):
         room, step, ending = Signal(init=1), Signal(), Signal()
         x, y = Signal(PIXEL_COORDINATE_BITS, init=MARGIN), Signal(PIXEL_COORDINATE_BITS, init=MARGIN)
         allowed, place = self._budget(m, step, ending, (x, y)) if p.budget else (C(1), (x, y))
-        # a clock late, and an end follows yet: for this, too, there is room
+        # a clock late, and an end can still follow: there is room for it, too
         flags_room = self._corner_flags(m, step, allowed) if p.video_out else C(1)
         m.d.sync += room.eq(candidates.room & pending.room & flags_room)
         m.d.comb += [
@@ -166,7 +165,7 @@ class CandidateSelection(wiring.Component):
 
     @property
     def _reported(self) -> Value:
-        """The response that a record has: what the texture filter leaves of it, if that says."""
+        """The response in a record: that of the texture filter, if it gives one."""
         corner, texture = self.corners.payload.data, self.textures.payload.data
         return texture.response if "response" in texture.shape().members else corner.response
 
@@ -180,10 +179,10 @@ class CandidateSelection(wiring.Component):
     def _budget(
         self, m: Module, step: Signal, ending: Signal, place: tuple[Value, Value]
     ) -> tuple[Value, tuple[Value, Value]]:
-        """Whether more may be picked of the frame; and the x and y of a pending record, in which an
-        end says how many could have been picked.
+        """Whether the frame may have more candidates, and the x and y of a pending record.
 
-        Two clocks late, as no two corners come in two clocks in a row.
+        In an end, x and y hold how many corners could have been picked. All is two clocks late,
+        because no two corners come in two clocks in a row.
         """
         allowed, found, accepted = Signal(), Signal(COUNT_BITS), Signal(BUDGET_BITS)
         corner, texture = self.corners.payload.data, self.textures.payload.data

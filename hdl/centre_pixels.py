@@ -16,8 +16,7 @@ COLUMNS_BACK = 3
 
 
 class CentrePixels(wiring.Component):
-    """Holds pixels back as long as the blocks beside it take to make responses, which move in step
-    with it.
+    """Delays pixels for as long as the blocks beside it, which move in step, make responses.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The middle three rows of the 9x9 window, held back until the rest of it is there."""
+"""The middle three rows of the 9x9 window, delayed until the rest of it is there."""
 
 from __future__ import annotations
 
@@ -18,19 +18,17 @@ _LATE = WINDOW_SIZE // 2 - 1
 
 
 def centre_size(parameters: Parameters) -> int:
-    """Rows of responses that the centre rows have, the centre's own included: three of D, or as
-    many smoothed ones as the suppression needs.
-    """
+    """Number of centre rows: three of D, or as many smoothed ones as the suppression needs."""
     smoothed = parameters.algorithm.response_filter == "binomial"
     return 2 * parameters.algorithm.suppression + 1 if smoothed else 3
 
 
 class CentreRows(wiring.Component):
-    """Columns of three rows out of columns of nine, so late that windows of both widths are
-    complete together.
+    """Columns of three rows out of columns of nine.
 
-    Of every row the first three columns and the last three are left out: they are never next to the
-    centre of a complete 9x9 window.
+    They are delayed, so that windows of both widths are complete in the same clock. The first three
+    columns and the last three of every row are left out: they are never next to the centre of a
+    complete 9x9 window.
 
     Members
     -------

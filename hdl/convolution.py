@@ -17,9 +17,7 @@ from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.preprocessing import sizes_layout
 
 LATE_ROWS = (1, 2, 3)
-"""Rows looked up a clock after the outer two: their sums meet in one adder each, not all in one
-clock.
-"""
+"""Rows looked up a clock after the outer two, so that their sums do not meet in one clock."""
 
 
 def products_layout(parameters: Parameters) -> data.StructLayout:
@@ -30,12 +28,11 @@ def products_layout(parameters: Parameters) -> data.StructLayout:
 
 
 class ConvolutionUnit:
-    """Sum of one channel under the kernel [1 2 2 2 1]ᵀ[1 2 2 2 1], not yet divided by 64. Latency
-    3.
+    """Sum of one channel under the kernel [1 2 2 2 1]ᵀ[1 2 2 2 1], not yet divided by 64.
 
-    First down the column; its sum then meets four columns before it in a chain of adders, in which
-    each register holds the part of one window that has been seen. Those move from beat to beat, not
-    from clock to clock.
+    The latency is 3. The first sum is that of the column. It then meets the four columns before it
+    in a chain of adders, in which each register holds the part of one window that has been seen.
+    These registers move from beat to beat, not from clock to clock.
 
     Parameters
     ----------
@@ -46,7 +43,7 @@ class ConvolutionUnit:
     beat
         Is there a beat, two clocks after the outer rows?
     name
-        Of the channel.
+        Name of the channel.
     half
         Add 32, half a unit of the result. ``rows`` must be squares: these are 0 or 1 modulo 4.
 

@@ -15,20 +15,18 @@ from hdl.sample import response_layout, responses
 
 
 def corner_layout(parameters: Parameters) -> data.StructLayout:
-    """Is the pixel a corner, and its response; with ``budget`` also whether it would be one but for
-    T1.
-    """
+    """Is the pixel a corner, and its response; with ``budget`` also whether it is a peak at all."""
     counted = optional(parameters.budget, peak=1)
     return data.StructLayout({"corner": 1, "response": parameters.response_bits, **counted})
 
 
 class Maxima(wiring.Component):
-    """What finds maxima above T1: its members, and how ties are told.
+    """Blocks that find maxima above T1: their members, and how ties are decided.
 
     Parameters
     ----------
     parameters
-        Of the detector.
+        Parameters of the detector.
     columns
         ``Columns`` of samples or responses.
 
@@ -64,8 +62,7 @@ class Maxima(wiring.Component):
 
 
 class CornerDetection(Maxima):
-    """E: is the middle of three columns' middle row the largest of the 3x3 neighbourhood, and above
-    T1?
+    """E: is the centre of three columns the largest of its 3x3 neighbourhood, and above T1?
 
     Members
     -------
@@ -99,7 +96,7 @@ class CornerDetection(Maxima):
         def stored(value: Value, name: str) -> Value:
             return pipe.register(value, name, when=beat)
 
-        # what the column before this one needs to know of this one, and the other way round
+        # what the column before needs to know about this one, and the other way round
         centre = self._ahead(middle)
         peak = centre > ends
         largest_1 = stored(Mux(peak, centre, ends), "largest_1")

@@ -11,8 +11,9 @@ from golden.derivatives import Derivatives
 
 
 class Format(NamedTuple):
-    """How hardware holds a derivative: without ``zeros`` low bits, which are always 0, the rest at
-    most ``largest`` units.
+    """How hardware holds a derivative.
+
+    Its ``zeros`` low bits, which are always 0, are left out; the rest is at most ``largest`` units.
     """
 
     zeros: int
@@ -23,8 +24,9 @@ Formats = Derivatives[Format]
 
 
 def layout(formats: Formats, unit: int) -> data.StructLayout:
-    """``golden.derivatives.Derivatives``, each signed; ``unit`` is a full response, or a full
-    product of gradients.
+    """``golden.derivatives.Derivatives``, each signed.
+
+    ``unit`` is a full response, or a full product of gradients.
     """
     return data.StructLayout(
         {name: signed((form.largest * unit).bit_length() + 1) for name, form in formats._asdict().items()}

@@ -107,8 +107,9 @@ class Detector(wiring.Component):
 
     @property
     def blocks(self) -> dict[str, Any]:
-        """Every block on the way of a frame's last pixel to its end-of-frame record, by name, with
-        a ``latency``.
+        """Every block between a frame's last pixel and its end-of-frame record, by name.
+
+        Each has a ``latency``.
         """
         return self._responses.blocks | self._windows.blocks | self._records.blocks
 
@@ -120,20 +121,19 @@ class Detector(wiring.Component):
         :attr:`refinement_latency`. With ``banked`` buffers the time to read out the last row comes
         on top: see :meth:`frame_latency`.
         """
-        # the end is noted a clock after the last window
+        # the end's pending record comes a clock after the last window
         return sum(block.latency for block in self.blocks.values()) + 1
 
     @property
     def refinement_latency(self) -> int:
-        """Most clocks that a frame's end waits for corners: a full queue, and those in the
-        refinement.
-        """
+        """Most clocks that a frame's end waits for corners: a full queue, and the refinement."""
         subpixel = self._records.subpixel
         return (self._parameters.queue_depth + 1) * subpixel.interval + subpixel.latency
 
     def frame_latency(self, width: int) -> int:
-        """Clocks from a frame's last pixel to its end-of-frame record, unstalled, for either
-        buffering.
+        """Clocks from a frame's last pixel to its end-of-frame record, for either buffering.
+
+        They hold without stalls.
         """
         if self._parameters.buffering == "lean":
             return self.latency

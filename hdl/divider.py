@@ -12,20 +12,19 @@ from golden.divider import QUOTIENT_BITS
 
 
 class Divider(wiring.Component):
-    """floor(256 · numerator / denominator), or the limit if that is more: the magnitude in
-    ``golden.divider.divide``.
+    """floor(256 · numerator / denominator), but no more than the limit.
 
-    Restoring division: the remainder is doubled, and what is left after taking the denominator off,
-    if it can be taken, is the next remainder. After the clock of ``load`` it takes
-    ``quotient_bits`` enabled clocks. A limit above one half is one half of a denominator as many
-    places further up.
+    This is the magnitude in ``golden.divider.divide``. Restoring division: the remainder is
+    doubled, and the denominator is subtracted from it if it is not larger. After the clock of
+    ``load`` it takes ``quotient_bits`` enabled clocks. A limit above one half is one half of a
+    denominator that is shifted up by as many places.
 
     Parameters
     ----------
     bits
         Width of numerator and denominator.
     quotient_bits
-        As ``golden.divider.quotient_bits`` says for the limit. By default this is one half.
+        The result of ``golden.divider.quotient_bits`` for the limit, by default one half.
 
     Members
     -------

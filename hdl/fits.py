@@ -13,7 +13,7 @@ from hdl.surface import SurfaceFit
 EquationsBlock = type[SurfaceFit] | type[GradientStep]
 
 FITS: dict[Fit, EquationsBlock] = {"nine": SurfaceFit, "six": SurfaceFit, "gradient": GradientStep}
-"""What else depends on the fit is said by the block, and by ``golden.subpixel.FITS``."""
+"""The block and ``golden.subpixel.FITS`` hold all else that depends on the fit."""
 
 
 def equations_block(parameters: Parameters) -> EquationsBlock:

@@ -1,6 +1,4 @@
-"""Frame control: adds framing (ends of rows and frames) to the stream of pixels, and samples each
-frame's settings.
-"""
+"""Frame control: adds ends of rows and frames to the pixels, and samples each frame's settings."""
 
 from __future__ import annotations
 
@@ -62,8 +60,8 @@ class FrameControl(wiring.Component):
             step.eq(self.i.valid & self.i.ready),
         ]
 
-        # what is compared is a pixel early, and a row, so that the ends are registers; never 0,
-        # where all begins
+        # compared one pixel and one row early, so that the ends are registers; the values are never
+        # 0, where counting begins
         x, y = Signal(range(self._parameters.max_width)), Signal(range(self._parameters.max_height))
         last_but_one_x, last_but_one_y = (Signal.like(place, init=SUPPORT - 2) for place in (x, y))
         eol, last_row, eof = Signal(), Signal(), Signal()
@@ -72,7 +70,7 @@ class FrameControl(wiring.Component):
             m.d.sync += [first.eq(eof), x.eq(Mux(eol, 0, x + 1)), eol.eq(x == last_but_one_x)]
             with m.If(eol):
                 m.d.sync += [y.eq(Mux(last_row, 0, y + 1)), last_row.eq(y == last_but_one_y)]
-        # sampled in every clock up to that of the first pixel, which so need not be known here
+        # sampled in every clock up to that of the first pixel, so that no logic has to detect it
         with m.If(first & ~self.settings.valid):
             m.d.sync += [
                 last_but_one_x.eq(_clamped(self.width, self._parameters.max_width) - 2),

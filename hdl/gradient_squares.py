@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Squares of a column's gradients and of their differences, looked up in tables: what products are
-made of.
-"""
+"""Squares of a column's gradients and of their differences, from tables; products need them."""
 
 from __future__ import annotations
 
@@ -15,8 +13,10 @@ from hdl.parts.stream import Pipeline
 
 
 class GradientSquares:
-    """Tables for so many rows of sizes. The gradients of a row share one; so do the differences of
-    two rows, and where the number of rows is odd one port stays free.
+    """Tables for a number of rows of sizes.
+
+    The two gradients of a row share one table; so do the differences of two rows. Where the number
+    of rows is odd, one port stays free.
 
     With a, b and d the squares of gx, gy and their difference, gx·gy = (a + b - d) / 2.
 
@@ -25,7 +25,7 @@ class GradientSquares:
     sizes
         Layout of a row: see :func:`hdl.preprocessing.sizes_layout`.
     rows
-        How many there are.
+        Number of rows.
     """
 
     latency = SquareTable.latency
@@ -46,7 +46,7 @@ class GradientSquares:
         Parameters
         ----------
         m, pipe
-            The block whose part this is. Adds the tables to the module.
+            Module and pipeline of the block that this is a part of. The tables are added to it.
         column
             A row's sizes by its number.
         late

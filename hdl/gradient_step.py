@@ -19,8 +19,9 @@ from hdl.sample import sample_layout
 
 
 class GradientStep(wiring.Component):
-    """Normal equations of the 9x9 pixels whose last column is the newest one. It takes the place of
-    the surface fit.
+    """Normal equations of the 9x9 pixels whose last column is the newest one.
+
+    It takes the place of the surface fit.
 
     Members
     -------
@@ -34,7 +35,7 @@ class GradientStep(wiring.Component):
     reads = "columns"
 
     def __init__(self, parameters: Parameters) -> None:
-        # always plain differences with signs, whatever the responses are made of
+        # always signed central differences, also where the responses use other gradients
         plain = parameters.changed(gradient="signed", derivative="central")
         self._gradients = Preprocessing(plain, PIXEL_SIZE)
         self._equations = NormalEquations(parameters)

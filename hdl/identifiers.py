@@ -37,22 +37,24 @@ until_with untyped use uwire var vectored virtual void wait wait_order wand weak
 wire with within wor xnor xor
 """
 KEYWORDS = frozenset(f"{_VHDL} {_VERILOG}".split())
-"""Of VHDL-2019 and SystemVerilog, and so of all that came before."""
+"""Keywords of VHDL-2019 and SystemVerilog, which include those of all earlier versions."""
 LONGEST = 64
 TAKEN_ENDINGS = ("_example", "_tb")
 """The modules of a core's example have its name and these endings."""
 
 
 def is_plain(name: str) -> bool:
-    """A name in VHDL as well as in Verilog: VHDL allows no two underscores in a row, and none at
-    either end.
+    """Is this a name in VHDL as well as in Verilog?
+
+    VHDL allows no two underscores in a row, and none at either end.
     """
     return bool(_PLAIN.fullmatch(name)) and name.lower() not in KEYWORDS
 
 
 def check_name(name: str) -> None:
-    """``ValueError`` if a core cannot be called so; its modules, files and macros begin with this
-    name.
+    """``ValueError`` if a core cannot have this name.
+
+    Its modules, files and macros begin with it.
     """
     if len(name) > LONGEST or not is_plain(name) or name.lower().endswith(TAKEN_ENDINGS):
         raise ValueError(
@@ -62,8 +64,6 @@ def check_name(name: str) -> None:
 
 
 def plain_port(name: str) -> str:
-    """A port of the hardware's sources as the Verilog has it: ``i_valid`` for ``i__valid``, no
-    keyword.
-    """
+    """The name of a port in the Verilog: ``i_valid`` for ``i__valid``, and never a keyword."""
     plain = name.replace("__", "_")
     return f"reference_{plain}" if plain in KEYWORDS else plain

@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""The gradient step's normal equations (``golden.normal_equations``): five sums over a 7x7 window
-of gradients.
-"""
+"""Normal equations of the gradient step (``golden.normal_equations``): five sums over 7x7."""
 
 from __future__ import annotations
 
@@ -29,16 +27,12 @@ COLUMN_LATENCY = GradientSquares.latency + 4
 
 
 def signed_sizes(parameters: Parameters) -> data.StructLayout:
-    """Sizes of gradients and of their difference, as preprocessing delivers them where gradients
-    have signs.
-    """
+    """Sizes of signed gradients and of their difference, as preprocessing delivers them."""
     return sizes_layout(parameters.changed(gradient="signed"))
 
 
 class _Column(NamedTuple):
-    """Sums down one column: of A, B and C, and of v·B and v·C with v the row's place relative to
-    the middle one.
-    """
+    """Sums of A, B, C, v·B and v·C down one column, with v the row relative to the middle one."""
 
     a: Value
     b: Value
@@ -55,7 +49,7 @@ class NormalEquations(wiring.Component):
 
         clock 2   squares of rows -3 to 3
         clock 3   sums and differences of rows -k and k
-        clock 4   two and two of them
+        clock 4   sums of pairs of these
         clock 5   their sums S, and V = Σ v·square
         clock 6   of C: S and V of a + b - d, halved
 

@@ -1,6 +1,4 @@
-"""Output construction (Sec. 3.5): puts records (see ``golden.output_constructor``) together and
-closes each frame.
-"""
+"""Output construction (Sec. 3.5): makes records (``golden.output_constructor``), closes frames."""
 
 from __future__ import annotations
 
@@ -24,8 +22,9 @@ def record_layout() -> data.StructLayout:
 
 
 class OutputConstructor(wiring.Component):
-    """Adds each candidate's offset to its place, and counts. All of ``o`` but its ready comes from
-    registers.
+    """Adds each candidate's offset to its place, and counts.
+
+    All of ``o`` except its ready comes from registers.
 
     Members
     -------

@@ -1,6 +1,4 @@
-"""Preprocessing (Sec. 3.1): gradients out of columns of pixels, and the numbers whose squares make
-products.
-"""
+"""Preprocessing (Sec. 3.1): gradients from columns of pixels, and their differences."""
 
 from __future__ import annotations
 
@@ -20,8 +18,7 @@ PIXEL_ROWS = SMOOTHING_SIZE + 2
 
 
 def sizes_layout(parameters: Parameters) -> data.StructLayout:
-    """|gx|, |gy|, and the size of the difference of these two or, where gradients have a sign, of
-    gx and gy.
+    """|gx|, |gy|, and the size of their difference, or of gx - gy where gradients have a sign.
 
     The difference of signed gradients has one bit more than a gradient.
     """
@@ -31,8 +28,7 @@ def sizes_layout(parameters: Parameters) -> data.StructLayout:
 
 
 class Preprocessing(wiring.Component):
-    """Sizes of the gradients, and of their difference, of five pixels above each other, or another
-    number.
+    """Sizes of the gradients and of their differences, for the five rows of a column.
 
     Takes columns of seven rows of pixels, delivers rows two positions shorter. The gradients of a
     pixel are made anew for each of the five rows of the smoothing window that it passes: pixels
@@ -51,7 +47,7 @@ class Preprocessing(wiring.Component):
     Parameters
     ----------
     parameters
-        Of the detector; ``pixel_bits``, ``gradient`` and ``derivative`` matter.
+        Parameters of the detector; ``pixel_bits``, ``gradient`` and ``derivative`` matter.
     rows
         Rows of pixels.
 

@@ -51,7 +51,7 @@ class RecordStage(wiring.Component):
 
     @property
     def blocks(self) -> dict[str, Any]:
-        """What an end-of-frame record passes, by name, with a ``latency``."""
+        """The blocks that an end-of-frame record passes, by name, each with a ``latency``."""
         return {"output constructor": self.output_constructor}
 
     def elaborate(self, platform: Any) -> Module:

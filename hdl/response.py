@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Corner response: which function it is, ``Algorithm.response`` says."""
+"""Corner response, by the response function that ``Algorithm.response`` names."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""Response filter: the middle three rows of D smoothed by [1 2 1]ᵀ[1 2 1] / 16, in place of the
-centre rows.
-"""
+"""Response filter: middle rows of D smoothed by [1 2 1]ᵀ[1 2 1] / 16, in place of centre rows."""
 
 from __future__ import annotations
 
@@ -18,11 +16,11 @@ from hdl.sample import response_layout, responses, sample_layout
 
 
 class ResponseFilter(wiring.Component):
-    """S (``golden.response_filter``) of the middle rows, so late that windows of 3 and of 9 are
-    complete together.
+    """S (``golden.response_filter``) of the middle rows, in place of D.
 
-    Does what :class:`hdl.centre_rows.CentreRows` does, in the same clocks, with S instead of D, and
-    with ``suppression`` r above 1 for as many rows and columns around each centre.
+    It is delayed, so that windows of both widths are complete in the same clock. It does what
+    :class:`hdl.centre_rows.CentreRows` does, in the same clocks, with S instead of D, and with
+    ``suppression`` r above 1 for as many rows and columns around each centre.
 
         clock 1   a + 2b + c down the column
         clock 2   the same along the row: pairs of neighbours, and pairs of these
@@ -70,9 +68,7 @@ class ResponseFilter(wiring.Component):
         return m
 
     def _down(self, row: int) -> Value:
-        """a + 2b + c + 2: of the half that rounds the mean over 3x3 a quarter comes from each of
-        four columns.
-        """
+        """a + 2b + c + 2: four columns each add a quarter of the half that rounds the 3x3 mean."""
         above, here, below = responses(self.i.payload)[row - 1 : row + 2]
         # both ones enter where the adders have room for them
         ends = (Cat(C(1, 1), above) + Cat(C(1, 1), below))[1:]

@@ -32,14 +32,14 @@ class ResponseStage(wiring.Component):
             ┌──────────────────────────────────────────────────────────────────────────────┘
             └ thresholds ─ samples
 
-    Centre pixels are there where the pixel rides along with its response.
+    Centre pixels are built where the pixel rides along with its response.
 
     Members
     -------
     i
         Stream of pixels, unsigned(pixel_bits).
     width, height, and the fields of ``settings_layout(parameters)``
-        Of the next frame, as in :class:`hdl.frame_control.FrameControl`.
+        Size and settings of the next frame, as in :class:`hdl.frame_control.FrameControl`.
     samples
         Stream of ``Beat(sample_layout(parameters))``: (height-6) rows of width-6.
     limits

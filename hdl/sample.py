@@ -18,9 +18,7 @@ def response_layout(parameters: Parameters) -> data.StructLayout:
 
 
 def sample_layout(parameters: Parameters) -> data.StructLayout:
-    """D, and what rides along with it to the block that needs it: where the fit goes by pixels, the
-    pixel at the response's centre.
-    """
+    """D, and what rides along with it: the pixel at its centre, where the fit reads pixels."""
     by_pixels = FITS[parameters.algorithm.fit].by_pixels
     riders = optional(by_pixels, pixel=unsigned(parameters.pixel_bits))
     return data.StructLayout({"response": unsigned(parameters.response_bits), **riders})

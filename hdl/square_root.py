@@ -41,7 +41,7 @@ class SquareRoot(wiring.Component):
     enable
         The registers move: ``advance`` of the pipeline around.
     radicand
-        A number.
+        The number, unsigned.
     root
         Its root, ``latency`` enabled clocks later.
     """
@@ -112,8 +112,9 @@ class SquareRoot(wiring.Component):
 
 
 def _wait(clocks: int) -> tuple[int, int, int]:
-    """So many clocks as single ones and rounds of the two delay lines, with few single ones but the
-    last.
+    """Splits ``clocks`` into single registers and rounds of the two delay lines.
+
+    Few of them are single registers, except the last.
     """
     rounds = max(clocks - 1, 0)
     fives = min(rounds % 4, rounds // 5)
@@ -122,11 +123,9 @@ def _wait(clocks: int) -> tuple[int, int, int]:
 
 
 def _step(m: Module, operand: Value, remainder: Value, digit: Value) -> Value:
-    """The next remainder, in two's complement like the one before; the next result bit is its sign,
-    inverted.
-    """
+    """The next remainder, in two's complement; the next result bit is its inverted sign."""
     bits = len(operand) + 3
-    # again used several times
+    # a signal of its own, because it is used several times
     result = Signal(bits, name=f"step_{len(operand)}")
     m.d.comb += result.eq(Cat(digit, remainder)[:bits] + Cat(C(3, 2), operand, ~remainder[-1]))
     return result

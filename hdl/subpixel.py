@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Subpixel refinement (Sec. 3.4, Fig. 13): a candidate's offset out of two equations (Eq. 13), a
-bit per clock.
-"""
+"""Subpixel refinement (Sec. 3.4, Fig. 13): a candidate's offset (Eq. 13), a bit per clock."""
 
 from __future__ import annotations
 
@@ -22,16 +20,13 @@ from hdl.parts.arithmetic import add_with_carry, magnitude
 
 
 def offset_layout(fit: Fit = "nine") -> data.StructLayout:
-    """Offset in 1/128 pixel, at most the fit's limit either way, and what
-    became of the fit.
-    """
+    """Offset in 1/128 pixel, within ± the fit's limit, and the flags of the fit."""
     offset = signed(quotient_bits(FITS[fit].limit))
     return data.StructLayout({"dx": offset, "dy": offset, "clamped": 1, "not_maximum": 1})
 
 
 class Subpixel(wiring.Component):
-    """Offset of a candidate's corner: the peak of the surface fitted to its 3x3 responses, or the
-    gradient step.
+    """Offset of a candidate's corner: the peak of the fitted surface, or the gradient step.
 
     Three stages, each with a candidate of its own: the derivatives are shifted up until the largest
     is at the top; products of mantissas are added up bit by bit; both quotients are found bit by
@@ -40,7 +35,7 @@ class Subpixel(wiring.Component):
     Parameters
     ----------
     parameters
-        Of the detector; ``fit`` matters, and what its formats come from.
+        Parameters of the detector; ``fit`` and the fields that decide its formats matter.
     mantissa_bits
         Bits of a mantissa; by default those of ``golden.subpixel.FITS``.
 
@@ -129,8 +124,9 @@ class Subpixel(wiring.Component):
     def _multiply(
         self, m: Module, move: Value, phase: Value, mantissas: Derivatives[Value]
     ) -> dict[str, Value]:
-        """yy·x + xy·y, xx·y + xy·x and xx·yy - xy², by the bits of yy, xx and xy from the lowest to
-        the sign.
+        """yy·x + xy·y, xx·y + xy·x and xx·yy - xy².
+
+        They are added up by the bits of yy, xx and xy, from the lowest to the sign.
         """
         bits = self._mantissa_bits
         factors = {}
@@ -169,7 +165,7 @@ class Subpixel(wiring.Component):
     ) -> Value:
         """Both quotients at once, by the same denominator; returns the offset.
 
-        Where a numerator is the least there can be, which has no magnitude, the surface has no
+        Where a numerator is the most negative number, which has no magnitude, the surface has no
         peak.
         """
         bits, found = self._sum_bits, self._quotient_bits
@@ -205,9 +201,7 @@ class Subpixel(wiring.Component):
 
 
 def _accumulate(m: Module, added: Signal, bits: int, name: str, *, clear: Value, enable: Value) -> Value:
-    """Sum of ``added`` · 2**k over the k-th clocks of ``enable``: in each, one more bit of it is
-    final.
-    """
+    """Sum of ``added`` · 2**k over the k-th clocks of ``enable``; each makes one more bit final."""
     high = Signal(signed(bits + 3), name=f"{name}_high", reset_less=True)
     low = Signal(bits + 1, name=f"{name}_low", reset_less=True)
     partial = (high + added)[: bits + 4]

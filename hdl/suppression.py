@@ -15,10 +15,9 @@ from hdl.sample import response_layout, responses, sample_layout
 
 
 class Suppression(Maxima):
-    """E: is the middle of 9 columns' middle row the largest of the (2r+1)x(2r+1) around it, and
-    above T1?
+    """E: is the window's centre the largest of the (2r+1)x(2r+1) around it, and above T1?
 
-    Does what :class:`hdl.corner_detection.CornerDetection` does behind
+    It does what :class:`hdl.corner_detection.CornerDetection` does behind
     :class:`hdl.centre_rows.CentreRows`, for r = ``suppression`` from 1 to 4, and in the same number
     of clocks for all of them. With ``response_filter`` it takes the 2r+1 rows and columns of
     :class:`hdl.response_filter.ResponseFilter`, and as many clocks as it needs.
@@ -109,9 +108,7 @@ class Suppression(Maxima):
     def _deliver(
         self, m: Module, pipe: Pipeline, spent: int, complete: Value, peak: Value, above: Value, middle: Value
     ) -> None:
-        """What has been found ``spent`` clocks after its window's last column, as many clocks later
-        as are left.
-        """
+        """Delays what was found ``spent`` clocks after its window's last column to the latency."""
         left = self.latency - spent
         found = self.o.payload.data
         m.d.comb += [

@@ -1,6 +1,4 @@
-"""Surface fit (Sec. 3.4, Eq. 10): derivatives of a quadratic surface through the 3x3 responses of
-every pixel.
-"""
+"""Surface fit (Sec. 3.4, Eq. 10): derivatives of a quadratic surface through 3x3 responses."""
 
 from __future__ import annotations
 
@@ -100,9 +98,7 @@ def _nine_samples(pipe: Pipeline, column: list[Value]) -> Derivatives[Value]:
 
 
 def _six_samples(pipe: Pipeline, column: list[Value]) -> Derivatives[Value]:
-    """The surface through the paper's S0 S3 S5 S7 S2 S6: corners, left and right middle, and the
-    bottom's middle.
-    """
+    """The surface through the paper's S0 S3 S5 S7 S2 S6: corners, and left, right, lower middle."""
     beat_1 = pipe.register(pipe.valid, "beat_1", reset=True)
     beat_2 = pipe.register(beat_1, "beat_2", reset=True)
     now = pipe.delay(Cat(*column), 2, "column")
@@ -132,9 +128,7 @@ def _six_samples(pipe: Pipeline, column: list[Value]) -> Derivatives[Value]:
 
 
 class Surface(NamedTuple):
-    """Formats of a surface's derivatives, in full responses, and what computes them out of the
-    newest column.
-    """
+    """Formats of a surface's derivatives, in full responses, and the function that makes them."""
 
     formats: Formats
     derivatives: Callable[[Pipeline, list[Value]], Derivatives[Value]]

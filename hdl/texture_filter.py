@@ -18,9 +18,7 @@ from hdl.thresholds import thresholds_layout
 
 
 def texture_layout(parameters: Parameters) -> data.StructLayout:
-    """Is a window's centre textured; is it reported nevertheless or not; with ``texture="mean"``:
-    its response.
-    """
+    """Is a window's centre textured, and is it reported; with ``texture="mean"`` its response."""
     response = optional(parameters.algorithm.texture == "mean", response=parameters.response_bits)
     return data.StructLayout({"textured": 1, "keep": 1, **response})
 
@@ -41,7 +39,7 @@ class _Number:
 
     @classmethod
     def any_of(cls, value: Value) -> _Number:
-        """An unsigned value, of which nothing is known but its width."""
+        """An unsigned value; only its width is known."""
         return cls(value, 0, (1 << len(value)) - 1)
 
     def __add__(self, other: _Number) -> _Number:
@@ -62,8 +60,7 @@ _ZERO = _Number(C(0, 1), 0, 0)
 
 @dataclass(frozen=True)
 class _Taps:
-    """What one column adds to tau, by the number of beats later at which it does; see
-    :class:`TextureFilter`.
+    """What one column adds to tau, by the number of beats after which it does so.
 
     ``left`` counts at 4 and at 5 beats, ``right`` at 0 and at 1, ``inner`` at 2 and at 4; left,
     right and those of 1 and of 4 beats are still to be doubled.
@@ -183,9 +180,7 @@ class TextureFilter(wiring.Component):
         )
 
     def _differences(self, pipe: Pipeline) -> tuple[dict[int, _Number], dict[int, _Number]]:
-        """Clock 1: max(falling, 0) at the newest column, max(rising, 0) at the one before it, by
-        row.
-        """
+        """By row: max(falling, 0) in the newest column, max(rising, 0) in the one before."""
         newest = responses(self.i.payload)
         earlier = [
             pipe.register(newest[row], f"earlier_{row}", when=pipe.valid) for row in range(WINDOW_SIZE)

@@ -46,9 +46,7 @@ def settings_members(parameters: Parameters) -> dict[str, Member]:
 
 
 def thresholds_layout(parameters: Parameters) -> data.StructLayout:
-    """T1 in units of D; T2 in units of tau, or the weight of the local level of D; settings of the
-    ``budget``.
-    """
+    """T1 in units of D; T2 in units of tau, or the weight of the local level; budget settings."""
     t2_bits = parameters.response_bits + SIGMA2_INTEGER_BITS + (parameters.pixels_per_region - 1).bit_length()
     return data.StructLayout(
         {
@@ -68,8 +66,9 @@ class Thresholds(wiring.Component):
     With a frame's first response, on its way from ``i`` to ``o``, it takes that frame's settings
     and multiplies, one bit of sigma per clock, long before the frame's first window.
 
-    With ``budget``, and what a target or a rank asks for known of the frame before, that is T1, but
-    at least sigma1 · floor; or Dref, but at least the floor.
+    With ``budget``, where the frame before has decided what a target asks for, that is T1, but at
+    least sigma1 · floor. Where it has decided what a rank asks for, that is Dref, but at least the
+    floor.
 
     Members
     -------
@@ -80,14 +79,13 @@ class Thresholds(wiring.Component):
         Stream of ``settings_layout(parameters)``, one per frame; taken when the multiplication
         starts.
     thresholds
-        Stream of ``thresholds_layout(parameters)``, one per frame; take it when the frame is done
-        with.
+        Stream of ``thresholds_layout(parameters)``, one per frame; take it at the end of the frame.
     largest
-        Of the frame before, from the clock after its thresholds have been taken until the next
-        one's are.
+        Largest response of the frame before; valid from the clock after that frame's thresholds
+        have been taken until the next frame's thresholds are taken.
     adapted, adapting
-        With ``budget`` only: ``adapted_layout(parameters)``, and that it is not there yet: a first
-        beat waits for it.
+        With ``budget`` only: ``adapted_layout(parameters)``, and whether it is not ready yet: a
+        first beat waits for it.
     """
 
     latency = 0
@@ -199,9 +197,7 @@ class Thresholds(wiring.Component):
     def _budget(
         self, m: Module, referred: Signal, reference: Signal, product1: Value, delivered: list[Any]
     ) -> tuple[Signal, Value, list[Any]]:
-        """With ``budget``: what sigma1 is multiplied by, T1, and what is to be done when the
-        product is there.
-        """
+        """With ``budget``: the factor of sigma1, T1, and what happens when the product is ready."""
         settings, limits = self.settings.payload, self.thresholds.payload
         follows, finished = Signal(), Signal()
         factor1, t1 = Signal.like(reference, name="factor1"), Signal.like(reference, name="t1")

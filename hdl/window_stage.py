@@ -51,8 +51,7 @@ class WindowStage(wiring.Component):
     There is a surface fit or a gradient step, not both. With ``response_filter`` the centre rows
     are smoothed ones; with ``texture="mean"`` an adaptive threshold filters textures; and for a
     neighbourhood larger than 3x3, or with ``budget``, another block detects corners, in columns of
-    nine rows. What a block reads, columns of all nine rows or the centre
-    rows, it says itself.
+    nine rows. Each block says itself which columns it reads: all nine rows, or the centre rows.
 
     The blocks between buffer and candidate selection move in step: all are ready whenever the
     candidate selection is, and for each window all deliver in the same clock; those that take less
@@ -63,16 +62,16 @@ class WindowStage(wiring.Component):
     Parameters
     ----------
     parameters
-        Of the detector.
+        Parameters of the detector.
 
     Members
     -------
     samples
         Stream of ``Beat(sample_layout(parameters))``.
     limits
-        Stream of ``thresholds_layout(parameters)``. A frame's are taken with its last window, with
-        which its largest response is known. They never come too late: they are ready soon after a
-        frame's first response, and its first column needs eight rows of them.
+        Stream of ``thresholds_layout(parameters)``. A frame's thresholds are taken with its last
+        window, when its largest response is known. They never come too late: they are ready soon
+        after a frame's first response, and its first column needs eight rows of responses.
     candidate, pending, corner_flags, largest
         As in :class:`hdl.candidate_selection.CandidateSelection`; flags with ``video_out`` only.
     adapted, adapting, history
@@ -111,7 +110,7 @@ class WindowStage(wiring.Component):
         )
 
     def _arrival(self, block: Any) -> int:
-        """Clocks from a column to what a block makes of the window that it completes."""
+        """Clocks from a column to a block's result for the window that it completes."""
         return block.latency + (self.centre_rows.latency if block.reads == "centres" else 0)
 
     @property
@@ -162,7 +161,7 @@ class WindowStage(wiring.Component):
 
     @staticmethod
     def _feed(m: Module, sink: Any, source: Any) -> None:
-        """A sink beside others, which are ready whenever it is: nobody asks it."""
+        """Feeds a sink beside others that are ready whenever it is; its ready is not read."""
         m.d.comb += [sink.valid.eq(source.valid), sink.payload.eq(source.payload)]
 
     def _limit(self, m: Module) -> None:

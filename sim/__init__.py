@@ -1,6 +1,4 @@
-"""Runs the hardware against the golden model: engines behind one interface, a frame driver, a
-comparison.
-"""
+"""Runs the hardware against the golden model: engines, a frame driver and a comparison."""
 
 from sim.cache import CacheError
 from sim.compiler import CompilationError, CompilerNotFoundError

@@ -1,5 +1,6 @@
-"""The reference engine: Amaranth's own simulator. Needs no compiler; about two thousand clocks per
-second.
+"""The reference engine: Amaranth's own simulator.
+
+It needs no compiler, and runs about two thousand clocks per second.
 """
 
 from __future__ import annotations
@@ -61,7 +62,7 @@ def _words(port: StreamPort, payloads: list[int]) -> Words:
 
 
 class _Job:
-    """One run of a plan: what to drive in each clock, and what to make of what is seen.
+    """One run of a plan: drives the inputs in each clock, and records the outputs.
 
     All inputs are driven as one concatenated value and all outputs are read as one, because
     every access costs Amaranth's simulator a walk over its processes.
@@ -192,9 +193,7 @@ def _key(view: View, name: str) -> str:
 
 
 def _find_in(save: str) -> Find:
-    """Where the signals are in the waves, as a save file says it that has a group, named by key,
-    for each.
-    """
+    """Where the signals are in the waves, read from a save file with one group, a key, for each."""
     paths = dict(re.findall(r"^-(\S+)\n@\w+\n([^-\s]\S*)$", save, re.MULTILINE))
     return lambda view, name: paths.get(_key(view, name))
 
@@ -227,7 +226,7 @@ class AmaranthEngine:
         for port in self.ports.inputs:
             member = getattr(self._component, port.name)
             parts += [member.valid, Value.cast(member.payload).as_unsigned()]
-        # A stream without a ready signal takes its bit all the same.
+        # A stream without a ready signal still takes its bit.
         parts += [
             getattr(self._component, port.name).ready if port.has_ready else Signal(name="unused")
             for port in self.ports.outputs
@@ -263,9 +262,7 @@ class AmaranthEngine:
 
     @contextmanager
     def _waves(self, path: Path) -> Iterator[None]:
-        """Write waves meanwhile, and at the end the list of signals, unless it is a pipe, which has
-        no size.
-        """
+        """Write waves meanwhile, and the list of signals at the end, except beside a pipe."""
         # names in the waves are Amaranth's own, which it tells in a save file only
         shown, save = views(self._component, self.ports), StringIO()
         traces = {_key(view, name): part for view in shown for name, part in view.signals.items()}

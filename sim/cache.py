@@ -1,8 +1,8 @@
-"""Where built simulators are kept: one folder for each user, for all working folders.
+"""The cache of built simulators: one folder for each user, for all working folders.
 
-The name of an entry has two parts with a hyphen between: the digest of what it was made of, and the
-digest of what it holds. A file that was cut short or overwritten would crash the process that loads
-it; the second digest tells it from a whole one, and it is deleted and built anew.
+The name of an entry consists of two digests with a hyphen between: that of its sources, and that of
+its contents. A file that was cut short or overwritten would crash the process that loads it; the
+second digest reveals such a file, which is then deleted and built anew.
 """
 
 from __future__ import annotations
@@ -56,22 +56,20 @@ def _writable(folder: Path) -> tuple[Path, TemporaryDirectory[str] | None]:
 
 
 def user_caches() -> Path:
-    """The user's folder of caches; where none can be written, one that lasts as long as this
-    process.
-    """
+    """The user's folder of caches, or a temporary one of this process if that cannot be written."""
     usual = Path(platformdirs.user_cache_dir())
-    # without a home, it is no more than a name
+    # without a home, "~" stays as it is
     return _writable(usual if usual.is_absolute() else Path(os.devnull, usual))[0]
 
 
 def cache_directory(chosen: Path | None = None) -> Path:
-    """Where built simulators are kept; created if need be.
+    """The folder of built simulators; it is created if it does not exist.
 
     Parameters
     ----------
     chosen
-        Default: the environment variable ``CORNERSTREAM_CACHE``, else ``cornerstream`` among the
-        user's caches.
+        Default: the environment variable ``CORNERSTREAM_CACHE``, otherwise ``cornerstream`` among
+        the user's caches.
 
     Raises
     ------
@@ -101,7 +99,7 @@ def find(directory: Path, key: str, suffix: str) -> Path | None:
 
 
 def keep(made: Path, directory: Path, key: str, suffix: str) -> Path:
-    """Make a file of the same file system an entry, in one step: nobody ever sees half of it."""
+    """Rename a file of the same file system to an entry, so that no process sees half of it."""
     path = directory / _name(made, key, suffix)
     os.replace(made, path)
     _prune(directory)
@@ -123,7 +121,7 @@ def building(directory: Path, key: str) -> Iterator[Path]:
     """
     lock = directory / f"{key}.lock"
     try:
-        # let go of with the process, however that ends
+        # the lock is released when the process ends, in any way
         with lock.open("wb") as file:
             if fcntl is not None:
                 fcntl.flock(file, fcntl.LOCK_EX)
@@ -131,7 +129,7 @@ def building(directory: Path, key: str) -> Iterator[Path]:
                 with TemporaryDirectory(dir=directory, prefix=_BUILD) as folder:
                     yield Path(folder)
             finally:
-                # who waits for it meanwhile finds the entry, or builds it
+                # a process that waits for it meanwhile finds the entry, or builds it
                 lock.unlink(missing_ok=True)
     except OSError as error:
         raise CacheError(directory, error) from error

@@ -21,7 +21,7 @@ from sim.compiler import build, package_text
 from sim.verilator import Verilator, VerilatorNotFoundError, include, verilator_root, verilog_ports
 
 CLOCK_NS = 10
-"""Period of the clock of every test bench, by which clocks are told from simulated time."""
+"""Period of the clock of every test bench, which turns simulated time into clocks."""
 
 _INSTALL = "pip install 'cornerstream[test]'"
 # cocotb's main program includes a header of this name
@@ -29,8 +29,8 @@ _CLASS = "Vtop"
 _GENERATORS = ("cocotb_bench.py", "verilator.py")
 # cocotb's library looks for vpi_* in the program
 _VISIBLE = "#pragma GCC visibility push(default)\n"
-# What steers cocotb, or the pytest inside it, must come from the test alone: not from whoever runs
-# the tests.
+# Variables that control cocotb, or the pytest inside it, must come from the test alone, not from
+# the user's environment.
 _FOREIGN = re.compile(r"(COCOTB|PYTEST|GPI|PYGPI|TOPLEVEL|COVERAGE|PYTHONWARNINGS)")
 _TAIL_LINES = 40
 _NANOSECONDS = "sim_time_duration"
@@ -41,7 +41,7 @@ class CocotbNotFoundError(RuntimeError):
 
 
 class BenchError(RuntimeError):
-    """A test bench came to no result; the message ends with what it said last."""
+    """A test bench has no result; the message ends with the last lines of its output."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Result:
     name
         Name of the function; a parametrized one is followed by its parameters, ``name/key=value``.
     message
-        Empty if passed; else the exception and the last lines of ``output``.
+        Empty if passed; otherwise the exception and the last lines of ``output``.
     nanoseconds, seconds
         Simulated and real time.
     output
@@ -95,12 +95,11 @@ class Bench:
         Parameters
         ----------
         module
-            As it is imported: ``tests.benches.bench_stream``, or a file that lies in ``folder``.
+            Name for the import: ``tests.benches.bench_stream``, or a file in ``folder``.
         folder
             Where to run, and where ``results.xml`` and ``cocotb.log`` are left.
         tests
-            Names of test functions, each with all its parameters or with those named; None for all
-            there are.
+            Names of test functions, each with all its parameters or with those named; None for all.
         environment
             Variables for the tests: how parameters get there.
         seed
@@ -191,7 +190,7 @@ def build_bench(verilog: str, *, notify: Callable[[str], None], cache: Path | No
 
 
 def check(results: Sequence[Result]) -> None:
-    """AssertionError if a test has not passed, with what all such tests have to say."""
+    """AssertionError if a test has not passed, with the messages of all such tests."""
     failed = [result for result in results if not result.passed]
     if failed:
         texts = "\n\n".join(f"{result.name}: {result.message}" for result in failed)
@@ -278,8 +277,8 @@ def _read(results: Path, log: str, module: str, tests: Sequence[str] | None) -> 
 
 
 def _outputs(log: str) -> dict[str, str]:
-    # a test's lines are those from cocotb's announcement of it to that of the next, or to the table
-    # of all
+    # a test's lines reach from cocotb's announcement of it to that of the next, or to the table of
+    # all tests
     table = re.search(r"^.* cocotb\.regression +\*{20,}$", log, re.MULTILINE)
     announcement = r"^.* cocotb\.regression +running (.+?) \(\d+/\d+\).*\n"
     pieces = re.split(announcement, log[: table.start()] if table else log, flags=re.MULTILINE)

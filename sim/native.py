@@ -67,7 +67,7 @@ def load(path: Path) -> ctypes.CDLL:
     try:
         library = ctypes.CDLL(str(path))
     except OSError as error:
-        # a C compiler links no C++ library; a full disk cuts files short
+        # a C compiler does not link the C++ library; a full disk cuts files short
         path.unlink(missing_ok=True)
         raise CompilationError(
             f"the simulator cannot be loaded, and was deleted: {error}; is {find_compiler().label!r} for C++?"
@@ -118,8 +118,9 @@ def _stream(index: int, kind: str, port: StreamPort, member: Callable[[str], str
 
 
 def describe_streams(ports: Ports, member: Callable[[str], str | None]) -> str:
-    """C++ that tells the harness the streams; ``member`` maps a flat port name to a member of
-    ``Dut``.
+    """C++ that describes the streams for the harness.
+
+    ``member`` maps a flat port name to a member of ``Dut``.
     """
     text = "".join(_stream(k, "Input", port, member) for k, port in enumerate(ports.inputs))
     text += "".join(_stream(k, "Output", port, member) for k, port in enumerate(ports.outputs))
@@ -180,7 +181,7 @@ class NativeRun:
         return (_OutputSpec * len(specs))(*specs)
 
     def run(self, progress: Progress | None) -> None:
-        """Until the end, or an error."""
+        """Run until the end, or an error."""
         total = self._plan.total_beats
         outcome = _RUNNING
         while outcome == _RUNNING:
@@ -243,7 +244,7 @@ def run_native(
 
 
 class NativeEngine(ABC):
-    """What engines that compile the design have in common; see :class:`sim.engine.Engine`.
+    """Base of the engines that compile the design; see :class:`sim.engine.Engine`.
 
     An engine sets these members, and says how it is built.
     """
@@ -272,8 +273,9 @@ class NativeEngine(ABC):
         quiet: int = QUIET,
         max_clocks: int | None = None,
     ) -> Capture:
-        """See :meth:`sim.engine.Engine.run`. The library is built, or found in the cache, at the
-        first run.
+        """See :meth:`sim.engine.Engine.run`.
+
+        The library is built, or found in the cache, at the first run.
         """
         has_reset = "rst" in self._present
         plan = prepare(self.ports, stimulus, quiet=quiet, max_clocks=max_clocks, has_reset=has_reset)

@@ -74,14 +74,15 @@ def _level(name: str, member: wiring.Member, value: Any) -> LevelPort:
 
 
 def discover(component: wiring.Component) -> Ports:
-    """Streams and plain inputs at the top level of a component's signature; plain outputs are left
-    out.
+    """Streams and plain inputs at the top level of a component's signature.
+
+    Plain outputs are left out.
 
     Raises
     ------
     ValueError
-        For members no engine can drive: arrays, interfaces that are no streams, ``always_valid``
-        streams and plain inputs wider than 64 bits.
+        A member cannot be driven by any engine: an array, an interface that is not a stream, an
+        ``always_valid`` stream or a plain input wider than 64 bits.
     """
     inputs: list[StreamPort] = []
     outputs: list[StreamPort] = []
@@ -104,8 +105,6 @@ def discover(component: wiring.Component) -> Ports:
 
 
 def signals(component: wiring.Component) -> list[Value]:
-    """All ports of a component as Amaranth's conversion takes them: without the constants of
-    ``always_ready``.
-    """
+    """All ports of a component for Amaranth's conversion: no constants of ``always_ready``."""
     members = [Value.cast(value) for _, _, value in component.signature.flatten(component)]
     return [member for member in members if isinstance(member, Signal)]

@@ -14,9 +14,10 @@ _ALL_ZERO = re.compile(r"connect \\DATA \d+'0*$", re.MULTILINE)
 def without_zeros(text: str) -> str:
     """RTLIL without the zeros that memories with a write port start with.
 
-    Amaranth writes these out word by word. They would be most of the Verilog, keep some synthesis
-    tools from using block RAM, and be half of what there is to compile for a simulator, whose
-    memories start with zeros by themselves. Tables, which have no write port, keep their contents.
+    Amaranth writes these out word by word. They would be most of the Verilog, and some synthesis
+    tools would not use block RAM. They would also be half of what a simulator has to compile, and
+    its memories start with zeros by themselves. Tables, which have no write port, keep their
+    contents.
 
     Raises
     ------

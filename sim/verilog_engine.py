@@ -33,9 +33,7 @@ struct VcdFile : VerilatedVcdFile {
 
 
 def port_name(name: str, present: set[str]) -> str:
-    """A port of a component as it is called in Verilog; a mapped netlist keeps the names of the
-    sources.
-    """
+    """The name in Verilog of a component's port; a mapped netlist keeps the sources' names."""
     plain = plain_port(name)
     return plain if plain in present else name
 
@@ -45,7 +43,7 @@ def describe(ports: Ports, present: set[str], *, waves: bool) -> str:
 
     def member(port: str) -> str | None:
         name = port_name(port, present)
-        # Verilator keeps double underscores to itself.
+        # Verilator reserves double underscores for itself.
         return "top->" + name.replace("__", "___05F") if name in present else None
 
     clock = member("clk")
@@ -89,8 +87,7 @@ class VerilogEngine(NativeEngine):
         super().__init__()
         self.ports = discover(component)
         self._views = views(component, self.ports)
-        # Nothing is made of it, but Amaranth takes a component that is never elaborated for a
-        # mistake.
+        # It is not used, but Amaranth warns of a component that is never elaborated.
         Fragment.get(component, platform=None)
         self._verilator = Verilator(verilator_root(), notify, cache)
         self.name = f"verilog (verilator {self._verilator.version}, {find_compiler().label})"

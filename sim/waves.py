@@ -1,6 +1,4 @@
-"""GTKWave save files: what is worth looking at in the waves of a component, above all of the
-detector.
-"""
+"""GTKWave save files: the useful signals in the waves of a component, above all the detector."""
 
 from __future__ import annotations
 
@@ -79,9 +77,7 @@ class View:
 
 
 def views(component: wiring.Component, ports: Ports) -> list[View]:
-    """What is worth seeing of a component: its streams, those inside if it is a detector, and its
-    plain inputs.
-    """
+    """The useful signals of a component: streams, those inside a detector, and plain inputs."""
     stages = getattr(component, "stages", {})
     inside = [
         _member(title, stage, name, getattr(stages[stage], name))
@@ -137,11 +133,10 @@ def save_path(vcd: Path) -> Path:
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """Another name to write a file under; it gets its own name once it is whole, and also where a
-    simulation failed.
+    """A temporary name for a file, which gets its own name when it is complete.
 
-    A link stays, and the file that it leads to is replaced. What is no regular file, such as a
-    pipe, is written to directly.
+    It gets its own name also where a simulation fails. A link stays, and the file that it points to
+    is replaced. A pipe or any other special file is written directly.
     """
     if path.exists() and not path.is_file():
         yield path
@@ -152,7 +147,7 @@ def whole(path: Path) -> Iterator[Path]:
         try:
             yield temporary
         except SimulationError:
-            # what led to it is what the waves are for
+            # the waves are there to show what led to the failure
             os.replace(temporary, target)
             raise
         except OSError as error:
@@ -197,8 +192,9 @@ def bits(width: int) -> str:
 
 
 def write_save_file(vcd: Path, shown: list[View], find: Find) -> None:
-    """Write a save file beside a VCD file: each view is a group, and a payload's fields are traces
-    of their own.
+    """Write a save file beside a VCD file.
+
+    Each view is a group, and a payload's fields are traces of their own.
     """
     with whole(save_path(vcd)) as temporary, temporary.open("w", encoding="utf-8") as file:
         save = GTKWSave(file)

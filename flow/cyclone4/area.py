@@ -10,8 +10,7 @@ from flow.cyclone4.device import M9K
 
 @dataclass(frozen=True)
 class Area:
-    """What a netlist takes of a device whose logic element is one lookup table of four inputs and
-    one flip-flop.
+    """Resources of a netlist; a logic element is one table of four inputs and one flip-flop.
 
     Parameters
     ----------
@@ -39,9 +38,7 @@ class Area:
 
     @property
     def le_lower(self) -> int:
-        """Every flip-flop shares an element with some table: what a device that is nearly full may
-        come to.
-        """
+        """The lower bound, as in a nearly full device: every flip-flop shares an element."""
         return max(self.lut4, self.ff)
 
     @property
@@ -51,9 +48,7 @@ class Area:
 
     @property
     def le_packed(self) -> int:
-        """The estimate: a flip-flop shares with its own table; a lone one is not packed with an
-        unrelated table.
-        """
+        """The estimate: a flip-flop shares an element with its own table only."""
         return self.lut4 + self.ff - self.packed_pairs
 
     @property
@@ -99,11 +94,11 @@ class Block:
 
     @property
     def area(self) -> Area:
-        """Own and all that is inside."""
+        """Area of the block and of all blocks inside."""
         return total([self.own, *(block.area for block in self.blocks)])
 
     def walk(self, depth: int = 0) -> Iterator[tuple[int, Block]]:
-        """This block and all below, each with how deep it lies, parents first."""
+        """This block and all below with their depths, parents first."""
         yield depth, self
         for block in self.blocks:
             yield from block.walk(depth + 1)

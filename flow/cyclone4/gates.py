@@ -25,8 +25,7 @@ def gate_level_engine(
     notify: Callable[[str], None] | None = None,
     cache: str | Path | None = None,
 ) -> Engine:
-    """An engine that runs a detector as it was mapped to Cyclone IV: some 200,000 clocks per
-    second.
+    """An engine for a detector mapped to Cyclone IV: about 200,000 clocks per second.
 
     Raises
     ------

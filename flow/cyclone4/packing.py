@@ -1,4 +1,4 @@
-"""Logic cells of a mapped netlist that become one: what a carry chain does along with its addition.
+"""Packing: joins logic cells of a mapped netlist where one cell can compute both functions.
 
 The map makes chains and tables one by one. A cell of a chain, however, computes any two functions
 of two data inputs and its carry in: its output and its carry out. The last one of a chain, whose
@@ -12,7 +12,7 @@ mode with the carry in as an input. So the following need no cell of their own:
 - what puts a signal on a chain, where the first bit knows that signal or has a data input to spare;
 - what takes the last carry of a comparison off the chain, while nobody reads the last difference.
 
-Each is a cell less for the same function, and nothing else about the netlist changes. It is done on
+Each rule saves a cell for the same function, and changes nothing else in the netlist. It works on
 Yosys's JSON, one module at a time.
 """
 
@@ -26,9 +26,7 @@ from flow.cyclone4.netlist import LUT
 from flow.netlist import Bit, Json
 
 CHAIN_DATA, LAST_DATA, PLAIN_DATA = 2, 3, 4
-"""Data inputs of a cell whose carry out is read, of one that only has a carry in, and of one with
-neither.
-"""
+"""Data inputs of a cell whose carry out is read, with a carry in only, and without carries."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +46,9 @@ class Function:
 
     @classmethod
     def of(cls, pins: Sequence[Bit], table: int) -> Function:
-        """From a table whose inputs may be constant ("x" counts as 0), the same net twice, or
-        without effect.
+        """From a table whose inputs may be constant, the same net twice, or without effect.
+
+        "x" counts as 0.
         """
         nets = sorted({at for at in pins if isinstance(at, int)})
         fixed = sum(1 << k for k, at in enumerate(pins) if at == "1")
@@ -82,7 +81,7 @@ class Function:
 
 @dataclass(frozen=True)
 class Cell:
-    """What a logic cell computes, and where it goes; functions that nobody reads are None."""
+    """Functions of a logic cell, and the nets of their results; unread functions are None."""
 
     sum: Function | None
     carry: Function | None
@@ -108,7 +107,7 @@ class Cell:
         return data <= (LAST_DATA if self.cin in nets else PLAIN_DATA)
 
     def with_table(self, table: Cell) -> Cell:
-        """The same with what a table before it does."""
+        """The same with the function of the table before it."""
         assert table.sum is not None and isinstance(table.combout, int)
         return self.with_input(table.combout, table.sum)
 
@@ -136,7 +135,7 @@ class _Packing:
         self._cells: dict[str, Cell] = {}
         self._drivers: dict[Bit, str] = {}
         self._readers: dict[Bit, dict[str, None]] = {}
-        # nets that something else than data and carry inputs of logic cells reads
+        # nets read by anything except data and carry inputs of logic cells
         self._elsewhere: set[Bit] = set()
         self._changed = False
         for port in module["ports"].values():
@@ -208,9 +207,7 @@ class _Packing:
             self._replace(name, kept)
 
     def _off_the_chain(self, name: str) -> None:
-        """The cell before the last computes the last one's function; it had no other use than its
-        carry.
-        """
+        """The cell before the last, used only for its carry, takes the last one's function."""
         last = self._cells[name]
         before = self._drivers.get(last.cin)
         if last.sum is None or last.carry or before is None or not isinstance(last.cin, int):
@@ -239,9 +236,7 @@ class _Packing:
             self._replace(name, joined)
 
     def _before(self, name: str) -> None:
-        """A table goes into all cells that read it; if need be, together with another one before
-        one of these.
-        """
+        """A table goes into all cells that read it, if needed together with another table."""
         if not self._is_table(name):
             return
         stopped = self._into_readers([name])
@@ -263,7 +258,7 @@ class _Packing:
         )
 
     def _into_readers(self, tables: list[str]) -> str | None:
-        """Do so, or return the first reader that cannot take them all in."""
+        """Put the tables into their readers, or return the first reader that cannot take all."""
         behind = {self._cells[table].combout: self._cells[table] for table in tables}
         readers = list(dict.fromkeys(name for net in behind for name in self._readers_of(net)))
         for reader in readers:
@@ -309,7 +304,7 @@ class _Packing:
         return name in seen
 
     def _write(self) -> None:
-        # all of them: what a cell does not depend on may be gone
+        # all of them: a net that a cell no longer depends on may not exist any more
         cells = self._module["cells"]
         for name in [name for name, cell in cells.items() if cell["type"] == LUT]:
             if name in self._cells:

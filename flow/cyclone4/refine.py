@@ -1,5 +1,4 @@
-"""What the device can do and Yosys's passes do not: cells of a mapped netlist take over what lies
-beside them.
+"""Improves a mapped netlist by features of the device that Yosys's passes do not use.
 
 Each rule takes away cells and changes no behaviour:
 
@@ -90,14 +89,14 @@ def _registers_behind(module: Module, memory: Cell, port: str) -> None:
 
 @dataclass(frozen=True)
 class _Control:
-    """When a flip-flop takes something else than what comes from the net before its multiplexer."""
+    """The condition on which a flip-flop is loaded past its multiplexer."""
 
     enable: Bit
     clear: Bit
     nets: tuple[int, ...]
-    """That the condition reads."""
+    """The nets that the condition reads."""
     condition: tuple[int, ...]
-    """For all values of these nets."""
+    """The condition for all values of these nets."""
     clears: bool
 
 
@@ -109,7 +108,7 @@ class _Candidate:
     """The net that goes to the flip-flop where the condition does not hold."""
     inverted: bool
     other: Bit
-    """What is loaded."""
+    """The net that is loaded."""
 
 
 def _synchronous_control(module: Module) -> bool:
@@ -165,9 +164,7 @@ def _candidates(module: Module, register: Cell) -> list[tuple[_Control, _Candida
 
 
 def _split(table: Cell, data: int) -> tuple[tuple[int, ...], tuple[int, ...], bool, Bit] | None:
-    """A table as a multiplexer: the nets of its condition, the condition's values, and what it
-    takes then.
-    """
+    """A table as a multiplexer: the nets and values of its condition, and what it then takes."""
     rest = sorted(table.nets - {data})
     rows = [
         (table.output({**values, data: 0}), table.output({**values, data: 1})) for values in assignments(rest)
@@ -190,8 +187,8 @@ def _split(table: Cell, data: int) -> tuple[tuple[int, ...], tuple[int, ...], bo
                 other = net
     if other is None:
         return None
-    # where the condition does not hold nothing is known of the net that is loaded, so it may depend
-    # on it
+    # where the condition does not hold, nothing is known about the net that is loaded, so the
+    # result may depend on it
     condition = [int(row[0] == row[1]) for row in rows]
     needed = [
         net

@@ -25,7 +25,7 @@ from hdl.edges import Interface, make_core
 
 RULES = ("cells.v", "operators.v", "memory.txt", "memory.v", "arithmetic.v", "flipflops.v", "luts.v")
 
-# every memory becomes blocks, as the exported project asks of Quartus
+# every memory becomes block RAM, as the exported project asks Quartus to do
 MAP = """
 read_verilog -lib -DPORTS_ONLY cells.v
 read_rtlil design.il
@@ -119,8 +119,9 @@ class Synthesis:
 
     @property
     def blocks(self) -> dict[str, Area]:
-        """Area of each block by name, all inside included: those of the detector's stages, or of
-        another top module. Wiring between them is ``(top)``.
+        """Area of each block by name, with all inside: of the detector's stages, or another top's.
+
+        The wiring between them is ``(top)``.
         """
         stages = [block for block in self.tree.blocks if block.name.endswith("_stage")]
         others = [block for block in self.tree.blocks if block not in stages]
@@ -140,9 +141,9 @@ def synthesize(build: Build, interface: Interface = "stream") -> Synthesis:
     Raises
     ------
     ValueError
-        There is no such core.
+        This build cannot have such edges.
     ToolNotFoundError, ToolError
-        One says what to install, the other what went wrong.
+        A tool is missing, or failed; the message says what to install, or what went wrong.
     """
     tree, verilog = map_component(make_core(build, interface), MODULE)
     return Synthesis(build, tree, verilog)
@@ -175,9 +176,7 @@ def map_component(component: wiring.Component, top: str) -> tuple[Block, str]:
 
 
 def _best(netlists: list[Json]) -> Json:
-    """The best of several netlists, module by module: each module is taken, refined, from the
-    netlist that has it smallest.
-    """
+    """The best of several netlists, module by module: each is refined, the smallest is taken."""
     for netlist in netlists:
         refine(netlist)
     modules = {
@@ -211,6 +210,6 @@ def _bits(cell: str) -> int:
 
 
 def _elements(cell: str) -> int:
-    """9x9 elements that a product takes: an 18x18 multiplier is two of them."""
+    """9x9 elements of a product: an 18x18 multiplier is two of them."""
     a, b = (_parameter(cell, f"{operand}_WIDTH") for operand in "AB")
     return 1 if max(a, b) <= 9 else 2 * -(-a // 18) * -(-b // 18)

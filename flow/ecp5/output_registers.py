@@ -1,8 +1,7 @@
-"""Output registers of ECP5's block RAM, which Yosys leaves unused: flip-flops behind it move into
-it.
+"""Output registers of ECP5's block RAM: flip-flops behind a block RAM move into it.
 
-Quartus does so with the M9K. In the slowest grade a block takes 5.8 ns to its output, and 1 ns from
-this register.
+Yosys leaves these registers unused. Quartus does the same with the M9K. In the slowest grade a
+block takes 5.8 ns to its output, and 1 ns from this register.
 """
 
 from __future__ import annotations
@@ -15,9 +14,9 @@ WIDTH = 18
 
 
 def use_output_registers(module: Module[Cell]) -> int:
-    """Move flip-flops that take what a port reads into it, all of a port or none; returns how many
-    have moved.
+    """Move flip-flops that take what a port reads into the block RAM; returns their number.
 
+    Either all flip-flops of a port move, or none.
     Each output in use must go to one flip-flop and nowhere else; these must have the port's clock,
     one clock enable for all, and no reset, for which the port has no place.
     """

@@ -33,7 +33,7 @@ clean
 synth_ecp5 -top {top} -run map_cells:
 write_json mapped.json
 """
-"""Makes ``mapped.json`` of ``design.il``, in a folder that has the files :data:`RULES`."""
+"""Makes ``mapped.json`` from ``design.il``, in a folder that has the files :data:`RULES`."""
 RULES = ("memory.txt", "memory.v")
 
 _COLLISION = re.compile(r"(parameter \\COLLISION_X_MASK \d+')([01]+)")
@@ -51,7 +51,7 @@ def map_component(component: wiring.Component, top: str, folder: Path, *, stands
     Raises
     ------
     ToolNotFoundError, ToolError
-        One says what to install, the other what went wrong.
+        A tool is missing, or failed; the message says what to install, or what went wrong.
     """
     design = without_zeros(rtlil.convert(component, name=top, emit_src=False))
     (folder / "design.il").write_text(relaxed(design) if stands_in else design, encoding="utf-8")

@@ -25,8 +25,7 @@ from hdl.edges import Interface, make_core
 AIM_MHZ = 150
 """Clock frequency that placement and routing aim at."""
 
-# how Yosys names what it made of a signal: the signal, then the cells that were put after one
-# another
+# Yosys's names for what it makes from a signal: the signal, then its passes one after the other
 _MADE = re.compile(r"_(?:LUT4|TRELLIS|PFUMX|L6MUX21|CCU2C|DP16KD|\$lut|\$abc).*$")
 # a name that no one gave: Yosys's and nextpnr's own, and Amaranth's for parts of expressions
 _DERIVED = re.compile(r"\$.*$")
@@ -64,7 +63,7 @@ class Timing:
     critical_path
         The slowest path from register to register.
     device, package, speed, seed
-        What it was placed for, and the seed of the placement.
+        The device for which it was placed, and the seed of the placement.
     lut4, ff, ebr
         Lookup tables, those of carry chains included, flip-flops, and blocks of RAM on that device.
     """
@@ -81,7 +80,7 @@ class Timing:
 
     @property
     def used(self) -> dict[str, int]:
-        """What the core takes, by the names of :attr:`flow.device.Device.capacity`."""
+        """Resources that the core takes, by the names of :attr:`flow.device.Device.capacity`."""
         return {"LUT4": self.lut4, "FF": self.ff, EBR.name: self.ebr}
 
     def __str__(self) -> str:
@@ -103,7 +102,7 @@ def place_and_route(
     Raises
     ------
     ToolNotFoundError, ToolError
-        One says what to install, the other what went wrong.
+        A tool is missing, or failed; the message says what to install, or what went wrong.
     """
     placed = placed_device(device)
     with TemporaryDirectory(prefix="cornerstream-") as name:
@@ -127,7 +126,7 @@ def _size(device: Device) -> str:
 
 
 def read_report(report: dict[str, Any], device: Device, *, seed: int) -> Timing:
-    """What nextpnr says in JSON; the design has one clock."""
+    """The figures in nextpnr's JSON report; the design has one clock."""
     if len(report["fmax"]) != 1:
         raise ToolError(f"nextpnr reports {len(report['fmax'])} clocks instead of one")
     (fmax,) = report["fmax"].values()
@@ -159,5 +158,5 @@ def _path(parts: list[dict[str, Any]]) -> tuple[Step, ...]:
 
 
 def given_name(name: str) -> str:
-    """A net's or cell's name without what Yosys appended to the signal that it comes from."""
+    """The name of the signal that a net or cell comes from, without Yosys's endings."""
     return _DERIVED.sub(UNNAMED, _MADE.sub("", name))

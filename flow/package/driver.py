@@ -24,8 +24,9 @@ from typing import NamedTuple
 
 
 class Field(NamedTuple):
-    """Some bits of a register, from ``low`` up. A command acts when 1 is written to it; 0 has no
-    effect.
+    """Some bits of a register, from ``low`` up.
+
+    A command acts when 1 is written to it; 0 has no effect.
     """
 
     low: int
@@ -38,8 +39,9 @@ class Field(NamedTuple):
 
 
 class Register(NamedTuple):
-    """A word at a byte address. Access is ``ro``, ``rw`` or ``w1c``: read only, read and write, or
-    write one to clear.
+    """A word at a byte address.
+
+    Access is ``ro``, ``rw`` or ``w1c``: read only, read and write, or write one to clear.
     """
 
     address: int
@@ -53,15 +55,14 @@ class Register(NamedTuple):
 
 
 def _whole(value: object) -> int:
-    """The value if it is a whole number, also one of NumPy; else -1, which is not allowed
-    anywhere.
-    """
+    """The value if it is a whole number, also NumPy's; otherwise -1, which is never allowed."""
     return index(value) if hasattr(value, "__index__") else -1
 
 
 class Map:
-    """The registers, and the places of their fields in words. Every mistake is a ``ValueError``
-    that says what is allowed.
+    """The registers, and the places of their fields in words.
+
+    Every mistake is a ``ValueError`` that says what is allowed.
     """
 
     def __init__(self, registers: Mapping[str, Register]) -> None:
@@ -142,8 +143,7 @@ class Registers:
         return self.fields(self.map.home(field))[field]
 
     def set(self, **values: int) -> None:
-        """Writes fields, also of several registers; the other fields of these registers keep their
-        values.
+        """Writes fields, also of several registers; all other fields keep their values.
 
         Each register is written once, in the order of the first fields; none is written if a value
         is wrong.

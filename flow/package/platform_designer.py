@@ -23,13 +23,13 @@ class HwInterface:
     Parameters
     ----------
     name, kind, direction
-        As ``add_interface`` takes them.
+        Arguments of ``add_interface``.
     prefix
-        Ports that begin so belong to it; the rest of a port's name is its role.
+        Ports that begin with it belong to the interface; the rest of a port's name is its role.
     roles
         Roles of ports whose names do not contain them.
     properties
-        As ``set_interface_property`` takes them.
+        Arguments of ``set_interface_property``.
     ports
         The ports, each with its role.
     """
@@ -100,8 +100,7 @@ _INTERFACES: dict[Interface, tuple[HwInterface, ...]] = {
 
 
 def hw_interfaces(interface: Interface, ports: Sequence[Port]) -> list[HwInterface]:
-    """The interfaces of a core with such edges, each with its ports; interfaces without ports are
-    left out.
+    """The interfaces of a core with such edges, each with its ports; empty ones are left out.
 
     ``ValueError`` if a port belongs to none.
     """

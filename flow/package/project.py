@@ -44,13 +44,14 @@ _RENDERED = {
 
 
 def package_files(build: Build, interface: PackageInterface, name: str = MODULE) -> dict[str, str]:
-    """All files of the package, by path relative to its folder. The names of the core, of its files
-    and of all in them begin with ``name``.
+    """All files of the package, by path relative to its folder.
+
+    The names of the core, of its files and of all in them begin with ``name``.
 
     Raises
     ------
     ValueError
-        There is no such core, or the name is not allowed.
+        This build cannot have such edges, or the name is not allowed.
     flow.verilog.VerilogError
         Yosys refused the design.
     """
@@ -81,13 +82,14 @@ def package_files(build: Build, interface: PackageInterface, name: str = MODULE)
 
 
 def registers_page(build: Build) -> str:
-    """The register map as a page, the same whatever the edges are."""
+    """The register map as a page, the same for all edges."""
     return render(_TEMPLATES, "registers.md", _facts(build, MODULE))
 
 
 def software_files(build: Build, name: str = MODULE) -> dict[str, str]:
-    """What programs need, by path in the package: the C header with an example and the Python
-    driver. They are the same whatever the edges are.
+    """What programs need, by path in the package: C header, C example and Python driver.
+
+    They are the same for all edges.
     """
     known = _facts(build, name)
     c_files = {path.format(name): render(_TEMPLATES, template, known) for path, template in _SOFTWARE.items()}

@@ -151,7 +151,7 @@ def _texts(element: ElementTree.Element, **children: Any) -> None:
 
 
 def facts(build: Build) -> dict[str, Any]:
-    """What the templates need of the map."""
+    """What the templates need to know about the map."""
     return {
         "registers": register_map(build),
         "address_bits": ADDRESS_BITS,

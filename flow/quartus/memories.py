@@ -19,7 +19,7 @@ from flow.device import MemoryBlock
 Kind = Literal["simple dual-port RAM", "ROM", "dual-port ROM", "logic"]
 
 _DECLARATION = re.compile(r"^  reg (?:\[(\d+):0\] )?(\w+) \[(\d+):0\];\n", re.MULTILINE)
-# an always block on a clock, and what such a block is to be made of: assignments, each with or
+# an always block on a clock, and the only statements allowed in it: assignments, each with or
 # without an enable
 _BLOCK = re.compile(r"^  always @\(posedge (\w+)\)(?: begin)?\n((?:    .*\n)+)", re.MULTILINE)
 _ASSIGNMENT = re.compile(r"\s*(?:if \(\w+(?:\[\d+\])?\)( begin)?\s+)?(\S+) <= ([^;]+);(?(1)\s+end)\s*")
@@ -38,10 +38,10 @@ class Memory:
     width, depth
         Bits of a word, and words.
     kind
-        ``"logic"`` where it follows no template, and Quartus would make it of flip-flops and
+        ``"logic"`` where it follows no template, so that Quartus would make it from flip-flops and
         multiplexers.
     same_address
-        It is read where it is written, as a delay line: the old data are needed.
+        It is read at the address of the write, as a delay line: the old data are needed.
     """
 
     module: str
@@ -112,9 +112,7 @@ def _memory(module: str, declaration: re.Match[str], body: str) -> Memory:
 
 
 def _assignments(body: str) -> Iterator[tuple[str, str, str]]:
-    """Clock, target and value of each assignment in always blocks that hold nothing but assignments
-    with enables.
-    """
+    """Clock, target and value of each assignment in always blocks with nothing but assignments."""
     for clock, inside in _BLOCK.findall(body):
         found = []
         place = 0

@@ -1,6 +1,4 @@
-"""The folder that an engineer opens with Quartus: Verilog, project, constraints, and one script
-that compiles it.
-"""
+"""The folder for Quartus: Verilog, project, constraints, and one script that compiles it."""
 
 from __future__ import annotations
 
@@ -47,8 +45,8 @@ def project_files(
     Raises
     ------
     ValueError
-        The clock is not a positive number, Quartus does not know the device, there is no such detector
-        in hardware, or the core cannot be called so.
+        The clock is not a positive number, Quartus does not know the device, there is no such
+        detector in hardware, or the core cannot be called so.
     flow.verilog.VerilogError
         Yosys refused the design.
     """

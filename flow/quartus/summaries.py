@@ -1,5 +1,4 @@
-"""The reports that Quartus writes: ``*.fit.summary``, ``*.sta.summary``, and ``*.fit.rpt`` for
-M9Ks.
+"""Quartus' reports: ``*.fit.summary``, ``*.sta.summary``, and ``*.fit.rpt`` for M9Ks.
 
 All are plain text. The Fitter's has one line per figure, ``name : used / available ( percent )``,
 the Timing Analyzer's three per clock, check and operating condition: type, slack in ns, total
@@ -52,11 +51,11 @@ class QuartusReport:
         The smallest of all clocks and operating conditions, in ns; None where the analyzer gives
         none.
     period
-        The clock's, from the project's constraints, in ns; None if it is not found.
+        Period of the clock in the project's constraints, in ns; None if it is not found.
     missed
-        Checks of a clock with negative slack, in words, each with the worst operating condition's.
+        Checks of a clock with negative slack, in words, each for the worst operating condition.
     no_timing
-        Why there are no slacks; None where there are.
+        Why there are no slacks; None if there are slacks.
     """
 
     revision: str
@@ -76,12 +75,12 @@ class QuartusReport:
 
     @property
     def timing_met(self) -> bool | None:
-        """Whether no slack is negative; None where there are none."""
+        """Whether no slack is negative; None if there are no slacks."""
         return None if self.no_timing else not self.missed
 
     @property
     def no_fmax(self) -> str | None:
-        """Why there is no Fmax; None where there is one."""
+        """Why there is no Fmax; None if there is one."""
         if self.no_timing is not None:
             return self.no_timing
         if self.setup_slack is None:
@@ -94,8 +93,7 @@ class QuartusReport:
     def fmax_mhz(self) -> float | None:
         """The clock at which the setup slack would be zero; None without slack or period.
 
-        With one clock, whose edges alone launch and capture, that is what the Timing Analyzer
-        reports.
+        The Timing Analyzer reports the same where one clock launches and captures all data.
         """
         if self.setup_slack is None or self.period is None or self.setup_slack >= self.period:
             return None
@@ -113,13 +111,14 @@ class _Slack(NamedTuple):
 
 
 def read_report(folder: Path) -> QuartusReport:
-    """The reports in a project's folder, or in its ``output_files``; there may be none of the
-    Timing Analyzer.
+    """The reports in a project's folder, or in its ``output_files``.
+
+    Reports of the Timing Analyzer may be missing.
 
     Raises
     ------
     ReportError
-        The Fitter's is missing, there are several, or it is not such a report of a device with logic
+        The Fitter's report is missing, there are several, or it is not one for a device with logic
         elements.
     """
     fit_path = _find(folder, "fit")
@@ -146,7 +145,7 @@ def read_report(folder: Path) -> QuartusReport:
 
 
 def _timing(folder: Path) -> tuple[list[_Slack], str | None]:
-    """All slacks; or none, and why."""
+    """All slacks; or the reason why there are none."""
     try:
         path = _find(folder, "sta")
         found = [

@@ -11,13 +11,11 @@ from hdl.edges.avalon import AvalonCore
 from hdl.edges.axi import AxiCore
 
 Interface = Literal["axi", "avalon", "stream"]
-"""AXI4-Stream and AXI4-Lite; Avalon-ST and Avalon-MM; or the bare detector, which takes complete
-frames only.
-"""
+"""AXI4-Stream and AXI4-Lite; Avalon-ST and Avalon-MM; or the bare detector (whole frames only)."""
 
 
 def check_core(build: Build, interface: Interface) -> None:
-    """Raise ``ValueError`` if there is no core with these parameters and such edges."""
+    """Raise ``ValueError`` if this build cannot have such edges."""
     if interface not in get_args(Interface):
         raise ValueError(f"interface is {interface!r}; allowed: {', '.join(get_args(Interface))}")
     if interface == "avalon":
@@ -25,7 +23,7 @@ def check_core(build: Build, interface: Interface) -> None:
 
 
 def make_core(build: Build, interface: Interface) -> Any:
-    """The top of a core with such edges; ``ValueError`` if there is none with these build."""
+    """The top of a core with such edges; ``ValueError`` if this build cannot have them."""
     check_core(build, interface)
     tops: dict[Interface, Any] = {"axi": AxiCore, "avalon": AvalonCore, "stream": Detector}
     return tops[interface](build)

@@ -1,6 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""The core with Avalon edges, for Intel's Platform Designer: Avalon-ST Video in, Avalon-ST records
-out, Avalon-MM.
+"""The core with Avalon edges, for Intel's Platform Designer.
+
+Avalon-ST Video in, Avalon-ST records out, Avalon-MM registers.
 """
 
 from __future__ import annotations
@@ -17,15 +18,14 @@ from hdl.edges.core import Core
 from hdl.edges.register import ADDRESS_BITS, DATA_BITS
 
 VIDEO_PACKET = 0
-"""Low four bits of the first beat of a packet with a frame's pixels. All other packets are
-ignored.
-"""
+"""Low four bits of the first beat of a packet with a frame's pixels; other packets are ignored."""
 PACKET_TYPE_BITS = 4
 
 
 class AvalonCore(wiring.Component):
-    """The core with Avalon edges; ports have the prefixes that Platform Designer knows. All ready
-    latencies are 0.
+    """The core with Avalon edges; ports have the prefixes that Platform Designer knows.
+
+    All ready latencies are 0.
 
     Avalon-ST Video has no ends of line: lines are told apart by counting. A frame is cut where the
     next one begins too early. Frame sizes come from the registers; control packets and user packets
@@ -52,7 +52,7 @@ class AvalonCore(wiring.Component):
 
     @staticmethod
     def check(build: Build) -> None:
-        """Raise ``ValueError`` if there is no such core with Avalon edges."""
+        """Raise ``ValueError`` if this build cannot have Avalon edges."""
         if build.video_out:
             raise ValueError("video_out is True; allowed with Avalon edges: False")
 

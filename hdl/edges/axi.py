@@ -1,6 +1,7 @@
 # amaranth: UnusedElaboratable=no
-"""The core with AXI edges: AXI4-Stream video in (AMD UG934), AXI4-Stream records out, AXI4-Lite
-registers.
+"""The core with AXI edges.
+
+AXI4-Stream video in (AMD UG934), AXI4-Stream records out, AXI4-Lite registers.
 """
 
 from __future__ import annotations

@@ -27,9 +27,7 @@ OPTIONS = (
     ),
     (31, "budget", "budget", True, "The registers BUDGET, REFERENCE and ADAPTED exist."),
 )
-"""Bit and name in the register; field of ``Build`` or ``Algorithm``, and its value for which the
-bit is set; text.
-"""
+"""Bit and name in the register; field of ``Build`` or ``Algorithm``; value that sets it; text."""
 
 
 def _numbered(names: Iterable[str], start: int = 0) -> str:
@@ -37,7 +35,7 @@ def _numbered(names: Iterable[str], start: int = 0) -> str:
 
 
 def capability(build: Build) -> Register:
-    """The register of a core that is built so. Its fields are the same in all builds."""
+    """The register of a core with this build. Its fields are the same in all builds."""
     values = build.as_dict()
     suppression = build.algorithm.suppression
     profiles = {algorithm: number for number, algorithm in enumerate(PROFILES.values(), 1)}

@@ -1,6 +1,4 @@
-"""Frame guard: makes whole frames of whatever video comes in (``golden.video``), and reports where
-it was malformed.
-"""
+"""Frame guard: makes whole frames of any video (``golden.video``), and reports malformed ones."""
 
 from __future__ import annotations
 
@@ -36,8 +34,7 @@ GUARD_EVENTS = (
 
 
 class FrameGuard(wiring.Component):
-    """Passes exactly width · height pixels from each start of frame on, or reports that a frame is
-    cut.
+    """Passes exactly width · height pixels from each start of frame, or reports a cut frame.
 
     A malformed frame raises ``cut``; then nothing is taken until ``resume`` answers. Pixels outside
     of frames are taken and dropped, so that they never hold up a source.
@@ -174,8 +171,7 @@ class FrameGuard(wiring.Component):
         last_row: Signal,
         ignore_eol: Signal,
     ) -> Signal:
-        """Counts the place of the next pixel: in its frame, in the surplus of a line, or between
-        frames.
+        """Counts the place of the next pixel: in a frame, a line's surplus, or between frames.
 
         All are counted alike, so that a surplus line or frame is noticed. Returns whether the pixel
         is the last of a row.

@@ -1,4 +1,4 @@
-"""Overlay: the pixels once more, delayed so that each comes with its corner flag."""
+"""Overlay: passes the pixels on, delayed so that each comes with its corner flag."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hdl.parts.queue import Queue
 _ROWS = {"lean": 7, "banked": 9}
 """Rows that come after a pixel before its flag does: ``"banked"`` buffers read two rows late."""
 _CLOCKS = 128
-"""Pixels that come during the way through the detector besides, with a reserve."""
+"""Further pixels that come while the detector works on one, with a reserve."""
 
 
 def overlay_layout(build: Build) -> data.StructLayout:
@@ -26,7 +26,7 @@ def overlay_layout(build: Build) -> data.StructLayout:
 
 
 class Overlay(wiring.Component):
-    """Holds pixels back in block RAM until the detector's corner flags are there.
+    """Delays pixels in block RAM until the detector's corner flags are there.
 
     There are flags where a corner can be; the outermost pixels have none. A pixel is stored with
     one tag, which on the first pixel of a row means the first of the frame, and elsewhere the last

@@ -1,4 +1,4 @@
-"""Packet constructor: one packet of records per frame, whatever happens to the frame."""
+"""Packet constructor: one packet of records per frame, complete or cut."""
 
 from __future__ import annotations
 
@@ -33,8 +33,7 @@ def results_layout() -> data.StructLayout:
 
 
 class PacketConstructor(wiring.Component):
-    """Passes the records of a frame on, drops surplus ones, and closes each frame with one last
-    beat.
+    """Passes the records of a frame on, drops surplus ones, and closes each frame's packet.
 
     The detector counts records and frames too, but forgets both when it is restarted; here nothing
     is forgotten, so every packet says how many records it has, and frame numbers go on.

@@ -1,6 +1,4 @@
-"""What a register map is made of: registers, their fields, and how wide the bus is that reaches
-them.
-"""
+"""What a register map is made of: registers, their fields, and the width of their addresses."""
 
 from __future__ import annotations
 
@@ -17,8 +15,10 @@ ADDRESS_BITS = 8
 
 @dataclass(frozen=True)
 class Field:
-    """Some bits of a register: ``bits`` of them from bit ``low`` up, which are ``reset`` after
-    reset. ``source`` is the setting or the result that they show, where that has another name.
+    """Some bits of a register: ``bits`` of them from bit ``low`` up.
+
+    They are ``reset`` after reset. ``source`` is the setting or the result that they show, where
+    that has another name.
     """
 
     name: str

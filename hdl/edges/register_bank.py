@@ -1,6 +1,4 @@
-"""Register bank: the hardware of the register map, behind a simple bus to which any other can be
-adapted.
-"""
+"""Register bank: the hardware of the register map, behind a simple bus."""
 
 from __future__ import annotations
 
@@ -23,13 +21,12 @@ OTHER_EVENTS = tuple(event for event in Event if event not in OWN_EVENTS)
 
 
 def register_bus() -> wiring.Signature:
-    """The bus, seen from its user: writes and reads take one clock each, and can be in the same
-    clock.
+    """The bus, seen from its user, to which any other bus can be adapted.
 
-    ``write`` and ``read`` are high in the clock of an access; addresses count words. A byte of
-    ``write_data`` is written if its bit in ``write_mask`` is set. Read data and errors (no such
-    register, or a read-only one) come in the same clock, whether or not ``read`` or ``write`` is
-    high.
+    Writes and reads take one clock each, and can be in the same clock. ``write`` and ``read`` are
+    high in the clock of an access; addresses count words. A byte of ``write_data`` is written if
+    its bit in ``write_mask`` is set. Read data and errors (no such register, or a read-only one)
+    come in the same clock, whether or not ``read`` or ``write`` is high.
     """
     address = ADDRESS_BITS - 2
     return wiring.Signature(

@@ -1,6 +1,4 @@
-"""The register map, in one place: the hardware, the documentation and the drivers are all made from
-it.
-"""
+"""The register map, from which the hardware, the documentation and the drivers are made."""
 
 from __future__ import annotations
 
@@ -97,7 +95,11 @@ def _control(build: Build) -> tuple[Register, ...]:
             "Switches. A frame that is under way keeps what held at its start.",
             (
                 Field(
-                    "enable", 0, 1, "Frames may start. Else video is taken and dropped.", int(build.autostart)
+                    "enable",
+                    0,
+                    1,
+                    "Frames may start. Otherwise video is taken and dropped.",
+                    int(build.autostart),
                 ),
                 Field(
                     "reset",

@@ -1,6 +1,4 @@
-"""What more than one text says of the registers: descriptions, drivers and examples take it from
-here.
-"""
+"""Texts about registers that descriptions, drivers and examples share."""
 
 from __future__ import annotations
 

@@ -47,8 +47,9 @@ def report_members(build: Build) -> dict[str, wiring.Member]:
 
 
 def control_layout(build: Build) -> data.StructLayout:
-    """All settings: ``golden.video.VideoSettings`` in the formats of the hardware, and ``reset``,
-    which is held until ``reset_done``.
+    """All settings: ``golden.video.VideoSettings`` in the formats of the hardware, and ``reset``.
+
+    ``reset`` is held until ``reset_done``.
     """
     return data.StructLayout(
         {
@@ -64,8 +65,9 @@ def control_layout(build: Build) -> data.StructLayout:
 
 
 def initial_control(build: Build) -> dict[str, Any]:
-    """The settings after reset: the largest frame and default thresholds; enabled only with
-    ``autostart``.
+    """The settings after reset: the largest frame and default thresholds.
+
+    The core is enabled only with ``autostart``.
     """
     return {
         "enable": int(build.autostart),
@@ -77,8 +79,7 @@ def initial_control(build: Build) -> dict[str, Any]:
 
 
 class VideoDetector(wiring.Component):
-    """Packets of corners out of any stream of framed pixels; see ``golden.video`` for what becomes
-    of which.
+    """Packets of corners out of any stream of framed pixels, as ``golden.video`` specifies.
 
         video ─ skid ─ frame guard ─┬─ detector ─┬─ packet constructor ─ records
                                     └─ overlay ──┘       (restart)
@@ -146,14 +147,13 @@ class VideoDetector(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Clocks from a frame's last pixel to its end-of-frame record, ``lean``; see
-        ``Detector.latency``.
-        """
+        """Clocks from a frame's last pixel to its end-of-frame record, as ``Detector.latency``."""
         return self.edge_latency + self._detector.latency
 
     def frame_latency(self, width: int) -> int:
-        """Clocks from a frame's last pixel to its end-of-frame record, unstalled, for either
-        buffering.
+        """Clocks from a frame's last pixel to its end-of-frame record, for either buffering.
+
+        They hold without stalls.
         """
         return self.edge_latency + self._detector.frame_latency(width)
 
@@ -254,11 +254,10 @@ class VideoDetector(wiring.Component):
             m.d.sync += closing.eq(0)
 
     def _store(self, m: Module, restart: Signal) -> Value:
-        """Stores what T1 is adapted to over a restart, but not over a soft reset. Returns whether
-        what is stored is up to date.
+        """Stores what T1 is adapted to over a restart, but not over a soft reset.
 
-        It is out of date for some clocks after a frame's last window, and so from before the
-        frame's end comes out.
+        Returns whether what is stored is up to date. It is out of date for some clocks after a
+        frame's last window, and so from before the frame's end comes out.
         """
         with m.If(restart & self.control.reset):
             m.d.sync += self.history.eq(0)

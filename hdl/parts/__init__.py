@@ -1,1 +1,1 @@
-"""What is no box of the paper: streams, buffers, tables, arithmetic."""
+"""Parts that are not blocks of the paper's Fig. 9: streams, buffers, tables, arithmetic."""

@@ -6,7 +6,7 @@ from amaranth.hdl import C, Cat, Value
 
 
 def magnitude(value: Value) -> Value:
-    """|value|, one bit shorter if signed. The least value must not matter: the result is 0 then."""
+    """|value|, one bit shorter if signed; for the most negative value, the result is 0."""
     if not value.shape().signed:
         return value
     # negated by inversion and carry, which fit in one adder; a choice between value and -value
@@ -16,8 +16,6 @@ def magnitude(value: Value) -> Value:
 
 
 def add_with_carry(a: Value, b: Value, carry: Value) -> Value:
-    """a + b + carry, both signed, as one carry chain: the carry enters it at a place below the
-    lowest.
-    """
+    """a + b + carry, both signed, as one carry chain: the carry enters below the lowest bit."""
     low = Cat(carry, b).as_signed()
     return (Cat(C(1, 1), a).as_signed() + low)[1:].as_signed()

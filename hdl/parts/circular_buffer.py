@@ -28,7 +28,7 @@ class CircularBuffer(wiring.Component):
     Parameters
     ----------
     shape
-        One value.
+        Shape of one value.
     rows
         N, the height of the window.
     max_width
@@ -39,8 +39,8 @@ class CircularBuffer(wiring.Component):
         row. A row is read out once it is complete, while the next one is written, or by itself if
         none comes.
     registers
-        Of ``"lean"``: more registers behind the columns, which spare what follows the way from
-        block RAM. ``"banked"`` has them already, behind its multiplexers.
+        With ``"lean"``: additional registers behind the columns, so that the path of the next block
+        does not begin in block RAM. ``"banked"`` has them already, behind its multiplexers.
 
     Members
     -------
@@ -64,9 +64,7 @@ class CircularBuffer(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Clocks from a beat to the column that it completes, or (banked) from a row's end to its
-        first column.
-        """
+        """Clocks from a beat to its column, or (banked) from a row's end to its first column."""
         return 2 + self._registers if self._buffering == "lean" else 5
 
     @property

@@ -1,6 +1,4 @@
-"""A long delay in a memory, where a chain of registers would cost a logic element per bit and
-clock.
-"""
+"""A long delay in memory: a chain of registers would cost a logic element per bit and clock."""
 
 from __future__ import annotations
 
@@ -28,7 +26,7 @@ class DelayLine(wiring.Component):
     Parameters
     ----------
     shape
-        The value.
+        Shape of the value.
     clocks
         Delay in enabled clocks. Up to 3 are registers, and no memory.
 

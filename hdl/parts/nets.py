@@ -12,9 +12,10 @@ from amaranth.lib.wiring import Out
 
 
 def connect_by_name(m: Module, *interfaces: Any, names: Collection[str] = ()) -> None:
-    """Connects members that have the same name: both ends of a stream, or one output and any number
-    of inputs. A name that only one of the interfaces has is left alone, so members that are not
-    always built are no special case.
+    """Connects members that have the same name.
+
+    These are both ends of a stream, or one output and any number of inputs. A name that only one of
+    the interfaces has is left alone, so members that are not always built are no special case.
 
     Parameters
     ----------

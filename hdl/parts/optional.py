@@ -6,7 +6,8 @@ from typing import Any
 
 
 def optional(built: bool, **parts: Any) -> dict[str, Any]:
-    """The parts by name if they are built, else none: members of a component, fields of a layout,
-    submodules.
+    """The parts by name if they are built, otherwise an empty dictionary.
+
+    Parts are members of a component, fields of a layout or submodules.
     """
     return parts if built else {}

@@ -20,13 +20,13 @@ def outgoing_column(
     m, pipe
         Module and pipeline of the block that this is a part of.
     value
-        Of a window's newest column.
+        Value of the window's newest column.
     size
         Columns of the window.
     beat, step
         There is a column; and the pipeline moves with it.
     name
-        Of the register.
+        Name of the register.
     """
     m.submodules.columns = line = DelayLine(len(value), size - 1)
     m.d.comb += [line.enable.eq(step), line.i.eq(value)]

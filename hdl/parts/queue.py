@@ -10,14 +10,16 @@ from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 ROOM = 3
-"""Free places that ``room`` promises: a source may look at it a clock late, and have one more beat
-to come.
+"""Free places that ``room`` promises.
+
+A source may look at it a clock late, and may still have one more beat to deliver.
 """
 
 
 class Queue(wiring.Component):
-    """First in, first out. Its input is never refused: a source must heed ``room``, or beats are
-    lost.
+    """First in, first out; the input is always ready, so a source must obey ``room``.
+
+    If it does not, beats are lost.
 
     Parameters
     ----------

@@ -14,15 +14,17 @@ from amaranth.lib.wiring import In, Out
 
 
 def Beat(shape: ShapeLike) -> data.StructLayout:
-    """One beat of a raster: ``data``, ``eol`` (last of its row), ``eof`` (last of its frame;
-    implies eol).
+    """One beat of a raster: ``data``, ``eol`` (last of its row) and ``eof`` (last of its frame).
+
+    ``eof`` implies ``eol``.
     """
     return data.StructLayout({"data": shape, "eol": 1, "eof": 1})
 
 
 def Columns(shape: ShapeLike, rows: int) -> data.StructLayout:
-    """Layout of one column of a window: ``data[0]`` is the top (oldest) row, ``data[rows-1]`` the
-    newest.
+    """Layout of one column of a window.
+
+    ``data[0]`` is the top (oldest) row, ``data[rows-1]`` the newest.
     """
     return Beat(data.ArrayLayout(shape, rows))
 
@@ -77,9 +79,7 @@ class Pipeline:
 
 
 class WindowCounter:
-    """Says which columns of a row complete a window ``size`` columns wide: all but the first
-    size-1.
-    """
+    """Finds the columns that complete a window ``size`` wide: all but a row's first size-1."""
 
     def __init__(self, m: Module, size: int, *, step: ValueLike, eol: ValueLike) -> None:
         seen = Signal(range(size))
@@ -93,10 +93,9 @@ class WindowCounter:
 
 
 class SkidBuffer(wiring.Component):
-    """Two-place buffer that cuts both paths: every output, ``i.ready`` included, comes from a
-    register.
+    """Two-place buffer that cuts both paths: every output, also ``i.ready``, is a register.
 
-    Full rate, latency 1.
+    It has the full rate, and latency 1.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Beats of one stream held back, so that they meet those of a longer path."""
+"""Delay of one stream, so that its beats meet those of a longer path."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class StreamDelay(wiring.Component):
     Parameters
     ----------
     shape
-        Of the payload.
+        Shape of the payload.
     clocks
-        How much later, from 1.
+        Delay in clocks, from 1.
 
     Members
     -------

@@ -1,5 +1,6 @@
-"""Response functions, each in a file with the name that ``Algorithm.response`` has for it, in which
-its class is called ``Response``.
+"""Response functions: each is a file, whose name is its name in ``Algorithm.response``.
+
+The file has a class ``Response``.
 """
 
 from __future__ import annotations
@@ -16,20 +17,19 @@ from hdl.parts.stream import Beat
 class ResponseBlock(wiring.Component):
     """D of every smoothed tensor, as ``golden.response`` has it.
 
-    Its registers move together, as those of :class:`hdl.parts.stream.Pipeline`, whatever the
-    function.
+    Its registers move together, as those of :class:`hdl.parts.stream.Pipeline`, for every function.
 
     Parameters
     ----------
     parameters
-        Of the detector.
+        Parameters of the detector.
 
     Attributes
     ----------
     latency
         Clocks from a tensor to its response.
     memory_bits
-        In tables and delay lines.
+        Bits in tables and delay lines.
 
     Members
     -------
