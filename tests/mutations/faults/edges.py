@@ -1,91 +1,85 @@
-"""Deliberate faults in what is around the detector: file, text, what takes its place, tests, and
-which of them.
-"""
+"""Faults in what is around the detector."""
 
 from __future__ import annotations
 
-EDGE_MUTATIONS = {
-    "pixels are taken while a frame is cut": (
+from tests.mutations.copies import Mutation
+
+EDGES = {
+    "pixels are taken while a frame is cut": Mutation(
         "hdl/edges/frame_guard.py",
         "self.i.ready.eq(~self.cut & ~self.restart",
         "self.i.ready.eq(~self.restart",
         "tests/hdl/edges/test_frame_guard.py",
         "cut_waits",
     ),
-    "a long line ends with the first pixel that is too many": (
+    "a long line ends with the first pixel that is too many": Mutation(
         "hdl/edges/frame_guard.py",
         "surplus.eq(~eol)",
         "surplus.eq(0)",
         "tests/hdl/edges/test_frame_guard.py",
         "long_line",
     ),
-    "records of one packet are counted into the next": (
+    "records of one packet are counted into the next": Mutation(
         "hdl/edges/packet_constructor.py",
         "with m.If(self.done | self.closed | self.clear):",
         "with m.If(self.done | self.clear):",
         "tests/hdl/edges/test_packet_constructor.py",
         "packets_by_hand",
     ),
-    "a cut does not wait for the frames before": (
+    "a cut does not wait for the frames before": Mutation(
         "hdl/edges/video_detector.py",
         "(guard.cut & empty)",
         "guard.cut",
         "tests/hdl/edges/test_video_detector.py",
         "right_after_a_whole_one",
     ),
-    "a restart loses the reference": (
+    "a restart loses the reference": Mutation(
         "hdl/edges/video_detector.py",
         "settings.use_constant | ~self._packets.any_results,",
         "1,",
         "tests/hdl/edges/test_video_detector.py",
         "malformed and lean and flowing",
     ),
-    "pixels are flagged that can be no corner": (
+    "pixels are flagged that can be no corner": Mutation(
         "hdl/edges/overlay.py",
         "flagged & self.corner_flags.payload.corner",
         "self.corner_flags.valid & self.corner_flags.payload.corner",
         "tests/hdl/edges/test_overlay.py",
         "pixels_and_corners",
     ),
-    "an event is lost where it is cleared": (
+    "an event is lost where it is cleared": Mutation(
         "hdl/edges/register_bank.py",
         "happens | (self._status_bits[bit] & ~cleared)",
         "(happens | self._status_bits[bit]) & ~cleared",
         "tests/hdl/edges/test_registers.py",
         "sticky",
     ),
-    "a frame is done while its end waits": (
+    "a frame is done while its end waits": Mutation(
         "hdl/edges/packet_constructor.py",
         "delivered = self.o.valid & self.o.ready & self.o.payload.last",
         "delivered = self.o.valid & self.o.payload.last",
         "tests/hdl/edges/test_packet_constructor.py",
         "packets_by_hand",
     ),
-    "a timeout that is lowered is passed over": (
+    "a timeout that is lowered is passed over": Mutation(
         "hdl/edges/watchdog.py",
         "waited >= self.limit",
         "waited == self.limit",
         "tests/hdl/edges/test_watchdog.py",
         "lowered",
     ),
-    "a write of no byte is refused": (
+    "a write of no byte is refused": Mutation(
         "hdl/edges/register_bank.py",
         "bus.write & bus.write_mask.any()",
         "bus.write",
         "tests/hdl/edges/test_registers.py",
         "no_byte",
     ),
-    "a control packet is taken for video": (
+    "a control packet is taken for video": Mutation(
         "hdl/edges/avalon.py",
         "self.asi_video_data[:PACKET_TYPE_BITS] == VIDEO_PACKET",
         "self.asi_video_data[:1] == VIDEO_PACKET",
         "tests/hdl/edges/test_avalon.py",
         "low_four_bits or other_packets",
-    ),
-    "the golden model drops what follows an early start of frame": (
-        "golden/video.py",
-        "packets.append(self._cut(self._now))\n",
-        "return [self._cut(self._now)]\n",
-        "tests/golden/test_video.py",
     ),
 }

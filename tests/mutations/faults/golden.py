@@ -1,0 +1,78 @@
+"""Faults in the golden model."""
+
+from __future__ import annotations
+
+from tests.mutations.copies import Mutation
+
+GOLDEN = {
+    "the golden model rounds halves down": Mutation(
+        "golden/convolution.py",
+        "(total + 32) >> SHIFT",
+        "(total + 31) >> SHIFT",
+        "tests/golden/test_convolution.py",
+    ),
+    "the golden model forgets the previous maximum": Mutation(
+        "golden/frame.py",
+        "            return History(self.maximum)\n",
+        "            return History()\n",
+        "tests/golden/test_stream_model.py",
+    ),
+    "equal neighbours are maxima in the golden model": Mutation(
+        "golden/corner_detection.py",
+        "(centre > earlier)",
+        "(centre >= earlier)",
+        "tests/golden/test_corner_detection.py",
+    ),
+    "the golden model rounds them up": Mutation(
+        "golden/preprocessing.py",
+        "(sums + 1 + (sums >= 0)) >> 2",
+        "(sums + 2) >> 2",
+        "tests/golden/test_preprocessing.py",
+    ),
+    "a corner may be as high as the threshold": Mutation(
+        "golden/adaptive_threshold.py",
+        "standing_out > t1",
+        "standing_out >= t1",
+        "tests/golden/test_adaptive_threshold.py",
+    ),
+    "the weaker of two corners stays": Mutation(
+        "golden/corners.py",
+        "np.argsort(-self.response",
+        "np.argsort(self.response",
+        "tests/golden/test_corners.py",
+    ),
+    "the gradient step exchanges u and v": Mutation(
+        "golden/normal_equations.py",
+        "u, v = PLACES[None, :], PLACES[:, None]",
+        "v, u = PLACES[None, :], PLACES[:, None]",
+        "tests/golden/test_normal_equations.py",
+        "by_hand",
+    ),
+    "the golden mantissas forget that a negative number may be largest": Mutation(
+        "golden/subpixel.py",
+        "[np.where(value < 0, ~value, value) for value in values]",
+        "[*values]",
+        "tests/golden/test_subpixel.py",
+        "mantissas_by_hand",
+    ),
+    "the golden model drops what follows an early start of frame": Mutation(
+        "golden/video.py",
+        "packets.append(self._cut(self._now))\n",
+        "return [self._cut(self._now)]\n",
+        "tests/golden/test_video.py",
+    ),
+    "the golden model suppresses one pixel short": Mutation(
+        "golden/corner_detection.py",
+        "above = _largest(response[k : k + height] for k in before)",
+        "above = response[:height]",
+        "tests/golden/test_corner_detection.py",
+        "definition",
+    ),
+    "the golden model forgets what T1 was adapted to": Mutation(
+        "golden/detector.py",
+        "self._history = frame.next_history(limits, self._history)",
+        "self._history = History(frame.maximum)",
+        "tests/golden/test_adaptation.py",
+        "still_scene and camera",
+    ),
+}

@@ -1,0 +1,78 @@
+"""Faults in the parts that blocks are made of."""
+
+from __future__ import annotations
+
+from tests.mutations.copies import Mutation
+
+PARTS = {
+    "a window counter is off by one": Mutation(
+        "hdl/parts/stream.py",
+        "seen == size - 1",
+        "seen == size - 2",
+        "tests/hdl/parts/test_stream.py",
+        "window_counter and amaranth",
+    ),
+    "the skid buffer forgets its spare": Mutation(
+        "hdl/parts/stream.py",
+        "~ready | self.i.valid",
+        "self.i.valid",
+        "tests/hdl/parts/test_stream.py",
+        "skid_buffer and amaranth",
+    ),
+    "lean rows are not counted anew after a frame": Mutation(
+        "hdl/parts/circular_buffer.py",
+        "with m.If(eof):",
+        "with m.If(eof & ~eof):",
+        "tests/hdl/parts/test_circular_buffer.py",
+        "columns and amaranth and lean",
+    ),
+    "banked rows are not counted anew after a frame": Mutation(
+        "hdl/parts/circular_buffer.py",
+        "with m.If(self.i.payload.eof):",
+        "with m.If(self.i.payload.eof & ~self.i.payload.eof):",
+        "tests/hdl/parts/test_circular_buffer.py",
+        "columns and amaranth and banked",
+    ),
+    "a delay line forgets a place": Mutation(
+        "hdl/parts/delay_line.py",
+        "place == self._depth - 1",
+        "place == self._depth - 2",
+        "tests/hdl/parts/test_delay_line.py",
+        "lengths",
+    ),
+    "one square is looked up wrong": Mutation(
+        "hdl/parts/square_table.py",
+        "x * x >> UNSTORED_BITS for x in numbers",
+        "(x * x >> UNSTORED_BITS) + (x == 100) for x in numbers",
+        "tests/hdl/parts/test_square_table.py",
+        "every_number",
+    ),
+    "the local level counts a column twice": Mutation(
+        "hdl/parts/outgoing_column.py",
+        "DelayLine(len(value), size - 1)",
+        "DelayLine(len(value), size - 2)",
+        "tests/hdl/test_adaptive_threshold.py",
+        "test_noise and amaranth-unstalled",
+    ),
+    "the local level takes in what was there before reset": Mutation(
+        "hdl/parts/outgoing_column.py",
+        "Mux(filled, line.o, 0)",
+        "Mux(1, line.o, 0)",
+        "tests/hdl/test_adaptive_threshold.py",
+        "reset",
+    ),
+    "the running sums take in what was there before reset": Mutation(
+        "hdl/parts/outgoing_column.py",
+        "Mux(filled, line.o, 0)",
+        "Mux(1, line.o, 0)",
+        "tests/hdl/test_normal_equations.py",
+        "reset",
+    ),
+    "a queue promises one place too many": Mutation(
+        "hdl/parts/queue.py",
+        "level <= self._depth - ROOM",
+        "level <= self._depth - ROOM + 1",
+        "tests/hdl/parts/test_queue.py",
+        "room_falls",
+    ),
+}

@@ -1,0 +1,43 @@
+"""Faults in gradients, products, smoothing, the square root and the response."""
+
+from __future__ import annotations
+
+from tests.mutations.copies import Mutation
+
+RESPONSE = {
+    "the sign of C is dropped": Mutation(
+        "hdl/preprocessing.py",
+        "C(1, 1) if self._signed",
+        "~(gx[-1] ^ gy[-1]) if self._signed",
+        "tests/hdl/test_preprocessing.py",
+        "sizes and amaranth and signed",
+    ),
+    "negative halves round towards zero": Mutation(
+        "hdl/convolution.py",
+        "lower + ~lower[-1]",
+        "lower + 1",
+        "tests/hdl/test_convolution.py",
+        "halves and amaranth",
+    ),
+    "the square root adds where it should subtract": Mutation(
+        "hdl/square_root.py",
+        "Cat(C(3, 2), operand, ~remainder[-1])",
+        "Cat(C(3, 2), operand, remainder[-1])",
+        "tests/hdl/test_square_root.py",
+        "latency",
+    ),
+    "a negative D is not clamped": Mutation(
+        "hdl/responses/shi_tomasi.py",
+        "Mux(difference[-1], 0, difference[: self._response_bits])",
+        "difference[: self._response_bits]",
+        "tests/hdl/test_response.py",
+        "by_hand and amaranth",
+    ),
+    "halves of Sobel gradients are rounded up": Mutation(
+        "hdl/preprocessing.py",
+        "C(1, 2).as_signed(), ~value[-1])",
+        "C(1, 2).as_signed(), C(1, 1))",
+        "tests/hdl/test_preprocessing.py",
+        "sobel_rounds and amaranth",
+    ),
+}

@@ -1,0 +1,78 @@
+"""Faults in the blocks that look at a window of responses."""
+
+from __future__ import annotations
+
+from tests.mutations.copies import Mutation
+
+WINDOWS = {
+    "equal neighbours are maxima": Mutation(
+        "hdl/corner_detection.py",
+        "peak = centre > ends",
+        "peak = centre >= ends",
+        "tests/hdl/test_corner_detection.py",
+        "neighbour and amaranth and strict",
+    ),
+    "the neighbour on the right is compared as the one on the left": Mutation(
+        "hdl/corner_detection.py",
+        "centre_1 > self._behind(middle)",
+        "centre_1 > self._ahead(middle)",
+        "tests/hdl/test_corner_detection.py",
+        "neighbour and amaranth and first",
+    ),
+    "a box of the texture filter has a wrong row": Mutation(
+        "hdl/texture_filter.py",
+        "falling[8] + rising[1], falling[5]",
+        "falling[8] + rising[2], falling[5]",
+        "tests/hdl/test_texture_filter.py",
+        "noise and amaranth",
+    ),
+    "smoothed responses come a column early": Mutation(
+        "hdl/response_filter.py",
+        "columns_late = middle - reach - 1",
+        "columns_late = middle - reach - 2",
+        "tests/hdl/test_response_filter.py",
+        "by_hand and amaranth",
+    ),
+    "the centre rows come a column early": Mutation(
+        "hdl/centre_rows.py",
+        "_LATE = WINDOW_SIZE // 2 - 1",
+        "_LATE = WINDOW_SIZE // 2 - 2",
+        "tests/hdl/test_centre_rows.py",
+        "by_hand and amaranth",
+    ),
+    "a sample of the surface fit has a wrong weight": Mutation(
+        "hdl/surface.py",
+        "(middle << 1) - ends",
+        "middle - ends",
+        "tests/hdl/test_surface.py",
+        "each_sample and amaranth and nine",
+    ),
+    "the other fit has one too": Mutation(
+        "hdl/surface.py",
+        "middle + (s6 - s2)",
+        "middle + (s6 - s0)",
+        "tests/hdl/test_surface.py",
+        "each_sample and amaranth and six",
+    ),
+    "what leaves the window counts one column too few": Mutation(
+        "hdl/normal_equations.py",
+        "(column.a << 2) - column.vc",
+        "(column.a << 2) + column.vc",
+        "tests/hdl/test_normal_equations.py",
+        "sums and amaranth-unstalled",
+    ),
+    "the pixel of another column goes with a response": Mutation(
+        "hdl/centre_pixels.py",
+        "COLUMNS_BACK = 3",
+        "COLUMNS_BACK = 2",
+        "tests/hdl/test_centre_pixels.py",
+        "amaranth-unstalled",
+    ),
+    "corners do not wait for their equations": Mutation(
+        "hdl/window_stage.py",
+        "latest - self._arrival(block))",
+        'latest - self._arrival(block) - (name == "late corners"))',
+        "tests/hdl/test_detector.py",
+        "size1 and latency_without or (photographs and robust and text)",
+    ),
+}
