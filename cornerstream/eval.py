@@ -34,7 +34,7 @@ _LEFT_OUT = [name for name, section in SECTIONS.items() if section.not_quick]
 @click.option(
     "--quick",
     is_flag=True,
-    help="Measure a tenth, to see that everything works; the figures are not to be quoted.",
+    help="Measure a tenth, to see that everything works; the figures must not be quoted.",
 )
 @click.option(
     "--json", "as_json", is_flag=True, help="Print everything as one JSON object instead of tables."

@@ -6,8 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 Figures = dict[str, Any]
-"""Numbers, texts, lists and dictionaries of these, as JSON takes them; None for a figure that is
-not available.
-"""
+"""Numbers, texts, lists and dictionaries, as in JSON; None for a figure that is not available."""
 Notify = Callable[[int], None]
-"""Called with how many steps of a measurement are done."""
+"""Called with the number of steps of a measurement that are done."""

@@ -1,8 +1,7 @@
-"""Area, speed and clocks per frame of every build that the comparison page shows, measured and kept
-as JSON.
+"""Area, speed and clocks per frame of every build on the comparison page, measured and stored.
 
-Measuring takes about half an hour, so figures are kept, each with all that it depends on, and
-measured again only when that has changed.
+Measuring takes about half an hour. So figures are stored as JSON, each with all that it depends on,
+and measured again only when that has changed.
 """
 
 from __future__ import annotations
@@ -37,8 +36,9 @@ Notify = Callable[[str], None]
 SIZES = ((1920, 1080), (1200, 720), (512, 512), (200, 200))
 """Widths and heights of the paper's Table 3."""
 PLACED = SIZES[:2]
-"""Sizes that are placed and routed, which takes minutes each: the smaller ones differ in their
-memories only.
+"""Sizes that are placed and routed, which takes minutes each.
+
+The smaller ones differ in their memories only.
 """
 BUFFERINGS: tuple[Buffering, ...] = ("banked", "lean")
 SEED = 1
@@ -102,9 +102,7 @@ def builds(sizes: Iterable[tuple[int, int]] = SIZES) -> list[Variant]:
 
 
 def structure(parameters: Build) -> Figures:
-    """What the Verilog itself tells, without any tool: the bits of its memories and of its ports,
-    and its digest.
-    """
+    """Figures of the Verilog itself, without any tool: bits of memories and ports, and a digest."""
     text = emit_verilog(parameters)
     _, modules = split_modules(text)
     memories = [memory for name, body in modules.items() for memory in find_memories(name, body)]
@@ -116,8 +114,9 @@ def structure(parameters: Build) -> Figures:
 
 
 def clocks(parameters: Build, notify: Notify | None = None) -> Figures:
-    """Clocks per frame, counted in a simulation of the built size, whose records must be the golden
-    model's.
+    """Clocks per frame, counted in a simulation of the built size.
+
+    Its records must be those of the golden model.
 
     Raises
     ------
@@ -171,8 +170,8 @@ def measure(
     cache
         Folder for figures that need not be measured again.
     synthesis, place
-        False leaves out what these tools tell; their figures are None then. Only :data:`PLACED`
-        sizes are placed.
+        False leaves these tools out; their figures are then None. Only :data:`PLACED` sizes are
+        placed.
     jobs
         Builds measured at a time. More than one run in processes of their own.
     notify
@@ -208,7 +207,7 @@ def measure(
 
 @contextmanager
 def _deaf_to_interrupts() -> Iterator[None]:
-    """Processes started meanwhile leave Ctrl-C to us, who end them."""
+    """Processes started meanwhile ignore Ctrl-C; this process ends them."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield
@@ -217,9 +216,7 @@ def _deaf_to_interrupts() -> Iterator[None]:
 
 
 def _end_in_order() -> None:
-    """In a worker: end with an exception, so that tools are ended, too, and temporary files
-    removed.
-    """
+    """In a worker: end with an exception, so that tools end, too, and temporary files go."""
 
     def end(number: int, frame: object) -> None:
         raise SystemExit(128 + number)

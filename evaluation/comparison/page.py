@@ -1,6 +1,4 @@
-"""The page that sets the paper's Tables 1 to 4 beside our figures, as ``comparison.figures``
-measures them.
-"""
+"""The page with the paper's Tables 1 to 4 beside the figures of ``comparison.figures``."""
 
 from __future__ import annotations
 
@@ -26,8 +24,8 @@ def page(figures: Figures) -> str:
     Parameters
     ----------
     figures
-        As ``comparison.figures.measure`` returns them. Sizes that are missing are left out; a
-        figure that was not measured is a dash.
+        Result of ``comparison.figures.measure``. Sizes that are missing are left out; a figure that
+        was not measured is a dash.
     """
     builds: list[Figures] = figures["builds"]
     parts = [

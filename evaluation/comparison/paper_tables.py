@@ -38,8 +38,9 @@ TABLE_1 = (
 
 @dataclass(frozen=True)
 class Consumption:
-    """Table 2: hardware resource consumption comparisons; no block RAMs where the paper prints a
-    dash.
+    """Table 2: hardware resource consumption comparisons.
+
+    There are no block RAMs where the paper prints a dash.
     """
 
     method: str
@@ -99,10 +100,10 @@ REMARKS = {
 
 @dataclass(frozen=True)
 class Harris:
-    """AMD's Vitis Vision ``cornerHarris``: HD frames, filter 5×5, one pixel per clock, Zynq
-    UltraScale+.
+    """AMD's Vitis Vision ``cornerHarris``: HD frames, filter 5×5, one pixel per clock.
 
-    Six-input LUTs, so they do not compare with logic elements one to one.
+    The device is a Zynq UltraScale+. It has six-input LUTs, which do not compare with logic
+    elements one to one.
     """
 
     method: str = "AMD Vitis Vision cornerHarris"

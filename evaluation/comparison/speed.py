@@ -33,9 +33,7 @@ Notify = Callable[[str], None]
 FULL_HD = (1080, 1920)
 """Height and width of the frame that is timed."""
 SMALL = (48, 64)
-"""Height and width of the frame that Amaranth's simulator gets: it needs seconds for these few
-pixels.
-"""
+"""Height and width of the frame for Amaranth's simulator, which needs seconds for these pixels."""
 
 GOLDEN_GOAL = 5.0
 """Largest ratio of the golden model's time to OpenCV's."""
@@ -189,9 +187,9 @@ class _EngineUnderTest:
 def engine_speed(
     repeats: int = 3, parameters: Build | None = None, notify: Notify | None = None
 ) -> EngineSpeed:
-    """Clocks per second of both engines on the same detector, in turns; elaborating and compiling
-    not counted.
+    """Clocks per second of both engines on the same detector, in turns.
 
+    Elaborating and compiling are not counted.
     The compiled engine runs a Full HD frame, Amaranth's simulator a small one: the design is the
     same, built for Full HD. Every run's records are compared with the golden model's.
     """
@@ -214,7 +212,7 @@ def engine_speed(
 def run(
     *, repeats: int = 15, turns: int = 3, engines: bool = True, notify: Notify | None = None
 ) -> dict[str, Any]:
-    """Measure everything; the result holds nothing but what JSON can.
+    """Measure everything; the result can be written as JSON.
 
     Parameters
     ----------
@@ -304,7 +302,7 @@ def main(
     engines: bool = True,
     console: Console | None = None,
 ) -> dict[str, Any]:
-    """Measure and print, as tables or as JSON; what :func:`run` returns and raises."""
+    """Measure and print, as tables or as JSON; returns and raises the same as :func:`run`."""
     status = Console(stderr=True)
     result = run(
         repeats=repeats, turns=turns, engines=engines, notify=lambda line: status.print(line, style="dim")

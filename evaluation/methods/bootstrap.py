@@ -1,6 +1,4 @@
-"""Spread of a figure: percentile bootstrap over images, which are what is drawn anew, with all
-their corners.
-"""
+"""Spread of a figure: percentile bootstrap over images, each drawn with all its corners."""
 
 from __future__ import annotations
 
@@ -18,7 +16,7 @@ RESAMPLES = 1000
 LEVEL = 0.95
 SEED = 2017
 DIGITS = 4
-"""Decimals that are kept: more would be noise, and would fill the file."""
+"""Decimals that are stored: more would be noise, and would fill the file."""
 
 
 def interval(
@@ -38,7 +36,7 @@ def interval(
 
     Returns
     -------
-    Low and high end; NaN where fewer than two images have values: one says nothing of the spread.
+    Low and high end; NaN where fewer than two images have values: one has no spread.
     """
     groups = _columns(groups)
     if sum(len(group) > 0 for group in groups) < 2:
@@ -66,9 +64,7 @@ def _columns(groups: Sequence[Values]) -> list[Values]:
 
 
 def estimate(groups: Sequence[Values], statistic: Statistic, **options: Any) -> dict[str, Any]:
-    """``value`` of a statistic and its ``interval`` [low, high], as JSON takes them: None where
-    there is none.
-    """
+    """``value`` of a statistic and its ``interval`` [low, high] for JSON: None instead of NaN."""
     groups = _columns(groups)
     if not groups or not sum(map(len, groups)):
         return {"value": None, "interval": None}
@@ -98,6 +94,6 @@ def percentile_95(values: Values) -> Values:
 
 
 def relative_gain(values: Values) -> Values:
-    """How much the mean of the first column is above the mean of the second, relative to that."""
+    """How much the mean of the first column is above that of the second, relative to the second."""
     ours, base = np.moveaxis(values.mean(axis=-2), -1, 0)
     return np.where(base > 0, ours / np.where(base > 0, base, 1) - 1, np.nan)

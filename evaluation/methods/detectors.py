@@ -1,8 +1,6 @@
-"""Detectors that are set side by side: the same question to each, corners of an image, strongest
-first.
+"""Detectors that are compared: each gives the corners of an image, the strongest first.
 
-All of them are asked for corners whose 15x15 support lies inside the image, which is all that the
-hardware reports.
+All of them give only corners whose 15x15 support lies inside the image, as the hardware does.
 """
 
 from __future__ import annotations
@@ -23,9 +21,7 @@ Points = NDArray[np.float64]
 """(n, 2): x and y of corners in pixels, the first pixel's centre at (0, 0), strongest first."""
 
 LOWEST_SIGMA1 = 0.002
-"""Where the best N are wanted, whatever their response: low enough that thousands remain on a
-photograph.
-"""
+"""sigma1 for the best N corners: low enough that thousands remain on a photograph."""
 NO_FILTER = float(1 << SIGMA2_INTEGER_BITS) - 1
 """sigma2 at which nothing is rejected: tau is at most 8 times the largest D."""
 MOST = 20_000
@@ -56,8 +52,9 @@ class Detector(ABC):
 
     @abstractmethod
     def ranked(self, image: Image, thresholds: Thresholds) -> Points:
-        """All corners, however weak, strongest first. Only sigma2 counts, and only where there is a
-        filter.
+        """All corners, also weak ones, strongest first.
+
+        Only sigma2 counts, and only where there is a filter.
         """
 
     @abstractmethod
@@ -120,9 +117,7 @@ class GoodFeaturesToTrack(Detector):
 
 
 class Fast(Detector):
-    """OpenCV's FAST-9 of 16, with non-maximum suppression; whole pixels. It has a threshold of its
-    own.
-    """
+    """OpenCV's FAST-9 of 16, with non-maximum suppression and its own threshold; whole pixels."""
 
     name = "FAST"
     threshold = 10
@@ -148,11 +143,11 @@ class Fast(Detector):
 
 
 class Chance(Detector):
-    """Points anywhere, for comparison: what repeatability comes to by chance."""
+    """Random points, for comparison: the repeatability that chance gives."""
 
     name = "chance"
     density = 1 / 400
-    """Points per pixel where nobody says how many."""
+    """Points per pixel where no number is given."""
 
     def ranked(self, image: Image, thresholds: Thresholds) -> Points:
         height, width = image.shape
@@ -173,8 +168,8 @@ PLAIN_PARAMETERS = Parameters.profile("paper", gradient="signed", ties="first", 
 def detectors(profiles: dict[str, Parameters]) -> list[Detector]:
     """Each profile with and without its filter, plain ranking by D, then OpenCV's, then chance.
 
-    Ranking by D is the paper's detector without a filter, but with signed gradients and placed by
-    the gradient step: what else a profile does has to be better than this.
+    Ranking by D is the paper's detector without a filter, but with signed gradients and the
+    gradient step: everything else in a profile has to be better than this.
     """
     ours: list[Detector] = [Ours(PLAIN, PLAIN_PARAMETERS, filtered=False)]
     for name, parameters in profiles.items():
@@ -208,13 +203,14 @@ class Mode:
     Attributes
     ----------
     name
-        As the results call it.
+        Name in the results.
     thresholds
-        Of ours; sigma1 counts only where the number is free.
+        Thresholds of our detectors; sigma1 counts only where the number is free.
     equal
-        Everyone reports its strongest N. Otherwise everyone reports what its thresholds let pass.
+        Every detector reports its strongest N. Otherwise each reports what its thresholds let pass.
     like
-        The detector that says by its thresholds what N is; None: N is :func:`budget` of the image.
+        The detector whose number of corners at its thresholds is N; None: N is :func:`budget` of
+        the image.
     """
 
     name: str
@@ -235,7 +231,7 @@ MODES = (
 
 
 def modes_of(detectors: list[Detector]) -> list[Mode]:
-    """The modes that these detectors allow: those without ``like``, and those whose ``like`` is here."""
+    """The modes that these detectors allow: without ``like``, or with one of the detectors as it."""
     names = {detector.name for detector in detectors}
     return [mode for mode in MODES if mode.like is None or mode.like in names]
 

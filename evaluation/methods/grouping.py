@@ -32,10 +32,10 @@ def figures_of_parts(
     summary: Callable[[list[Pair], list[T]], Figures],
     gain: Callable[[list[Pair], list[T], list[T]], Figures],
 ) -> Figures:
-    """For each detector and each part of the pairs a summary, and the gain over no filter and over
-    ranking by D.
+    """A summary and gains for each detector and each part of the pairs.
 
-    ``found`` has one score for each pair, of whatever kind ``summary`` and ``gain`` take.
+    Gains are those over no filter and over ranking by D. ``found`` has one score for each pair, of
+    the kind that ``summary`` and ``gain`` take.
     """
     results: Figures = {}
     for name, each in found.items():
@@ -60,5 +60,5 @@ def parts_of(pairs: list[Pair]) -> dict[str, list[bool]]:
 
 
 def take(items: list[T], chosen: list[bool]) -> list[T]:
-    """Those that are chosen."""
+    """The items that are chosen."""
     return list(compress(items, chosen))

@@ -1,6 +1,4 @@
-"""Every way to place a corner, from the same whole pixels: these themselves, each fit of the golden
-model, OpenCV.
-"""
+"""Ways to place a corner, from the same whole pixels: none, each fit of the model, OpenCV."""
 
 from __future__ import annotations
 
@@ -24,8 +22,9 @@ Positions = NDArray[np.float64]
 INTEGER = "integer"
 OPENCV = "cornerSubPix"
 WITHIN = 4.0
-"""Pixels: a corner further from the truth than this is another one. The peak of D lies 2 to 3
-pixels inside an L.
+"""Pixels: a corner further from the truth than this is another one.
+
+The peak of D lies 2 to 3 pixels inside an L.
 """
 SUBPIX_HALF_WINDOW = 3
 """7x7 pixels."""
@@ -43,7 +42,7 @@ class Localisation:
     positions
         (n, 2) x and y in pixels, by the method's name. The same row is the same corner.
     accepted
-        (n,) what the texture filter let pass.
+        (n,) true where the texture filter accepts the corner.
     """
 
     positions: dict[str, Positions]
@@ -59,9 +58,7 @@ class Localisation:
 
 
 def methods(parameters: Parameters) -> list[str]:
-    """Names of the methods that a detector of these parameters allows, in the order in which they
-    are shown.
-    """
+    """Names of the methods that such a detector allows, in the order in which they are shown."""
     return [INTEGER, *_variants(parameters), OPENCV]
 
 
@@ -71,7 +68,7 @@ def _variants(parameters: Parameters) -> dict[str, Parameters]:
         try:
             variants[str(fit)] = parameters.changed(fit=fit)
         except ValueError:
-            # not every fit can be had with every gradient
+            # not every fit is available with every gradient
             continue
     return variants
 
@@ -79,7 +76,7 @@ def _variants(parameters: Parameters) -> dict[str, Parameters]:
 def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> Localisation:
     """Find corners once, and place them by every method.
 
-    What is a corner, and whether it is textured, does not depend on the fit, nor does the order.
+    Which pixels are corners, whether they are textured, and their order do not depend on the fit.
     """
     settings = replace(settings, report_rejected=True)
     found = {name: detect(image, variant, settings) for name, variant in _variants(parameters).items()}
@@ -112,7 +109,7 @@ def corner_sub_pix(image: NDArray[np.uint8], pixels: NDArray[np.int64]) -> Posit
 
 @dataclass
 class Outcome:
-    """What became of the scenes of one kind, scene by scene.
+    """Results of the scenes of one kind, scene by scene.
 
     Attributes
     ----------
@@ -120,9 +117,9 @@ class Outcome:
         Whether D has a maximum above T1 near the truth, and whether the texture filter lets it
         pass.
     errors
-        By method: (dx, dy) to the truth in pixels, of those that were found.
+        By method: (dx, dy) to the truth in pixels, for the corners that were found.
     scenes
-        Those that were found.
+        Scenes whose corners were found.
     """
 
     found: list[bool] = field(default_factory=list)
@@ -131,8 +128,9 @@ class Outcome:
     scenes: list[Scene] = field(default_factory=list)
 
     def add(self, scene: Scene, parameters: Parameters, settings: Settings) -> None:
-        """Detect the corner of a scene: that whose whole pixel is nearest to the truth, the same
-        for all methods.
+        """Detect the corner of a scene: the one whose whole pixel is nearest to the truth.
+
+        It is the same for all methods.
         """
         localisation = place(scene.image, parameters, settings)
         corner = localisation.nearest(scene.x, scene.y, WITHIN)
@@ -151,8 +149,9 @@ class Outcome:
 
 
 def figures_of_images(offsets: Sequence[Values]) -> Figures:
-    """Median and 95th percentile of the distance, and bias, of (n, 2) errors for each image, with
-    intervals.
+    """Median and 95th percentile of the distance, and bias, with intervals.
+
+    ``offsets`` are (n, 2) errors for each image.
     """
     distances = [np.hypot(*each.T)[:, None] for each in offsets]
     found: Figures = {}

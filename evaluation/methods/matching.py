@@ -50,7 +50,7 @@ def known(pair: Pair) -> NDArray[np.float64]:
 
 
 def visible(pair: Pair, first: Points, second: Points) -> tuple[Points, Points]:
-    """The corners that both views can show, support and all, in their order."""
+    """The corners that both views can show with their whole support, in their order."""
     homography = known(pair)
     ahead = inside(project(first, homography), pair.second)
     back = inside(project(second, np.linalg.inv(homography)), pair.first)

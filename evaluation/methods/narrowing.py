@@ -1,5 +1,4 @@
-"""What fewer bits would save and cost: of A, B and C after smoothing, of D, and of the mantissas of
-the offset.
+"""Savings and cost of fewer bits: in A, B and C after smoothing, in D, and in the mantissas.
 
 Accuracy is that of the golden model's own functions with some of their results cut. Area is that of
 the blocks that hold these numbers, built for so many bits and mapped to Cyclone IV as
@@ -42,14 +41,15 @@ Responses = Callable[[NDArray[np.uint8]], IntArray]
 
 KINDS: tuple[Kind, ...] = ("L", "saddle")
 EVERY = 7
-"""One of so many scenes of the wide set is used. It is coprime to the number of noises and
-polarities, which alternate.
+"""One of so many scenes of the wide set is used.
+
+The number is coprime to the numbers of noises and polarities, which alternate.
 """
 TENSOR_BITS = (16, 14, 12, 10)
 RESPONSE_CUTS = (0, 1, 2, 4)
 MANTISSAS = (8, 10, 11, 12, 13, 14)
 WITHIN = 4.0
-"""A corner at most so many px from a rendered one is taken for that one."""
+"""A corner at most so many pixels from a rendered one counts as that one."""
 WIDTH = 1200
 """Pixels of the line buffers, as in the paper's Table 1."""
 
@@ -71,7 +71,7 @@ def word_lengths(parameters: Parameters, *, quick: bool = False, notify: Notify 
     Parameters
     ----------
     parameters
-        The detector; cut is what the sweep says, the rest is as it is.
+        The detector; only what a sweep is about is cut.
     quick
         Fewer points, photographs and scenes.
 
@@ -80,9 +80,10 @@ def word_lengths(parameters: Parameters, *, quick: bool = False, notify: Notify 
     dict
         For ``"tensor"`` (A, B, C), ``"response"`` (D) and ``"mantissa"`` a list of points. Each has
         ``bits``, whether they are the ``default``, ``area`` of the blocks named in ``blocks``
-        (``le``, ``memory_bits``), and what accuracy is left. The first two have ``same``: corners
-        that photographs have both with all bits and with these, out of those that either has, with
-        the default thresholds; and per kind the ``median`` distance to rendered corners in px.
+        (``le``, ``memory_bits``), and the accuracy that is left. The first two have ``same``: the
+        number of corners of photographs found both with all bits and with these, divided by the
+        number found with either, with the default thresholds; and per kind the ``median`` distance
+        to rendered corners in px.
         Mantissas have ``error``: median, 95th and 99th percentile of the distance to the exact
         offset in px.
 
@@ -122,7 +123,7 @@ def _scenes(kind: Kind, quick: bool) -> list[Scene]:
 
 
 def _built(parameters: Parameters, **changes: Any) -> Build:
-    """As it is built by default."""
+    """The detector as it is built by default."""
     usual: dict[str, Any] = {"algorithm": parameters.algorithm, "pixel_bits": parameters.pixel_bits}
     return replace(Build(), **usual | changes)
 
@@ -155,7 +156,7 @@ def _tensor(
 
 
 def _smooth(product: IntArray, cut: int) -> IntArray:
-    """As ``golden.convolution.smooth``, with so many bits less."""
+    """The same as ``golden.convolution.smooth``, with ``cut`` bits less."""
     windows = np.lib.stride_tricks.sliding_window_view(product, KERNEL.shape)
     total = np.einsum("yxvu,vu->yx", windows, KERNEL)
     half = 1 << (SHIFT + cut - 1)
@@ -276,7 +277,7 @@ def _mantissa(
 
 
 def _windows(image: NDArray[np.uint8], parameters: Parameters) -> NDArray[np.uint8]:
-    """The pixels around every corner, by the default T1 and whatever the texture filter says."""
+    """The pixels around every corner above the default T1, also around rejected ones."""
     frame = Frame(image, parameters, Settings.default(parameters))
     _, limits = frame.own_thresholds()
     corners = frame.candidates(limits)

@@ -1,5 +1,4 @@
-"""The exhaustive correlation tracker: every pixel of one image against every place within reach in
-the other.
+"""The exhaustive correlation tracker: every pixel against every place within reach.
 
 The paper's tracker correlates exhaustively, too, but its details are not in the paper; this one is
 normalised cross-correlation, forwards and backwards.
@@ -68,8 +67,9 @@ class _Best:
 
 
 def _moments(image: Image, window: int) -> tuple[Floats, Floats, Floats]:
-    """Grey levels about 128, means of all patches, and 1 / their standard deviation, 0 where there
-    is not a patch.
+    """Grey levels minus 128, and the mean and 1 / standard deviation of each patch.
+
+    The latter is 0 where there is no patch.
     """
     cv2 = opencv()
     grey = image.astype(np.float32) - 128

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FEWEST = 10
-"""Corners per image below which nothing is said of them."""
+"""Least corners per image for which figures are shown."""
 PARTS = {"all": "#000000", TEXTURE: "#009e73", STRUCTURE: "#cc79a7"}
 """Colours of the classes of scenes."""
 

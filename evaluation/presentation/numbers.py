@@ -7,7 +7,7 @@ from typing import Any
 
 
 def number(value: float | None, digits: int = 0) -> str:
-    """With commas between thousands; a dash where there is none."""
+    """A number with commas between thousands; a dash for None."""
     return "–" if value is None else f"{value:,.{digits}f}"
 
 
@@ -21,7 +21,7 @@ def spread(value: float | None, interval: Sequence[float | None] | None, digits:
 
 
 def figure(estimate: dict[str, Any] | None, digits: int = 2) -> str:
-    """What ``evaluation.methods.bootstrap.estimate`` gives."""
+    """A result of ``evaluation.methods.bootstrap.estimate``."""
     return "–" if estimate is None else spread(estimate["value"], estimate["interval"], digits)
 
 

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 
 class Position(NamedTuple):
-    """One row of Table 5: x and y in pixels, the first pixel being 1. The true corner is at (17.60,
-    129.40).
+    """One row of Table 5: x and y in pixels, where the first pixel is 1.
+
+    The true corner is at (17.60, 129.40).
     """
 
     shape: str

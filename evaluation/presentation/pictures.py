@@ -26,7 +26,7 @@ def of_interest(profiles: dict[str, Parameters]) -> Parameters:
 
 
 def scene_grid(scenes: Sequence[Scene], profiles: dict[str, Parameters], columns: int) -> bytes:
-    """Each scene around its true corner, with what each method makes of it; a PNG file."""
+    """Each scene around its true corner, with the position by each method; a PNG file."""
     parameters = of_interest(profiles)
     rows = -(-len(scenes) // columns)
     drawn = figure(8 * rows / columns + 0.25 * rows + 0.3)
@@ -58,7 +58,7 @@ def truth(axes: Axes, x: float, y: float) -> None:
 
 
 def mark(axes: Axes, positions: dict[str, np.ndarray], size: float = 7) -> None:
-    """Positions (n, 2) of each method, that of interest last."""
+    """Positions (n, 2) of each method; the method of interest is drawn last."""
     for name in in_order(list(positions)):
         axes.plot(
             *positions[name].T,

@@ -1,5 +1,6 @@
-"""How plots look: 800 pixels wide on a page, type of nine points or more, figures as points with
-their intervals, the detector of interest last and strongest.
+"""The style of plots: figures as points with intervals, the detector of interest last, strongest.
+
+A plot is 800 pixels wide on a page, and its type has nine points or more.
 
 Colours are Okabe and Ito's, which are told apart with every kind of colour vision.
 """
@@ -76,14 +77,14 @@ def plot_file(drawn: Figure) -> bytes:
 
 
 def in_order(names: Sequence[str]) -> list[str]:
-    """The names with that of interest last, so that it is drawn above the others."""
+    """The names with the one of interest last, so that it is drawn above the others."""
     return sorted(names, key=lambda name: name in INTEREST)
 
 
 def point(
     axes: Axes, at: float, estimate: Figures, *, strong: bool = False, flat: bool = True, **style: Any
 ) -> None:
-    """A figure with its interval, along x if ``flat``; nothing where there is no figure."""
+    """A figure with its interval, along x if ``flat``; nothing if there is no figure."""
     value = estimate["value"]
     if value is None:
         return
@@ -98,7 +99,7 @@ def point(
 
 
 def rows(axes: Axes, names: Sequence[str]) -> None:
-    """One row for each name, from above; that of interest is bold on a band of its own."""
+    """One row for each name, from above; the one of interest is bold, on its own band."""
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     for place, name in enumerate(names):

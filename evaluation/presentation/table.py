@@ -1,4 +1,4 @@
-"""One table, which knows nothing of where it is shown: on a page, or in a terminal."""
+"""A table that can be shown on a page or in a terminal, and depends on neither."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Table:
     notes
         What a reader must know besides, in whole sentences.
     names
-        So many columns from the left hold names, which are aligned left; numbers follow.
+        Number of columns from the left that hold names, which are aligned left; numbers follow.
     """
 
     title: str

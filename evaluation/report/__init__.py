@@ -1,1 +1,1 @@
-"""What becomes of the figures: page, plots, pictures."""
+"""The report of the figures: page, plots, pictures."""

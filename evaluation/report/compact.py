@@ -1,4 +1,4 @@
-"""JSON to be read and compared: nested as it is, but one record a line."""
+"""JSON that is easy to read and compare: nested, with one record per line."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ LONGEST = 600
 
 
 def compact(value: Any) -> str:
-    """JSON in which whatever fits into a line is on one, ending in a line break."""
+    """JSON in which everything that fits into one line is on one; it ends in a line break."""
     return _lines(value, "") + "\n"
 
 

@@ -1,6 +1,4 @@
-"""The page that shows how good the corners are: sections in order, each by its prose, tables and
-plots.
-"""
+"""The page about the quality of corners: sections in order, with prose, tables and plots."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from golden.version import VERSION
 
 
 def about(profiles: dict[str, Parameters], *, quick: bool) -> Figures:
-    """What was measured with what."""
+    """The detectors, tools and versions of a measurement."""
     packages = ("opencv-python-headless", "numpy", "scikit-image", "scikit-learn", "scikit-video")
     return {
         "version": VERSION,
@@ -51,14 +51,14 @@ def _version(package: str) -> str | None:
 
 
 def check_packages(names: Sequence[str], *, quick: bool, images: bool, videos: bool) -> None:
-    """See that all is installed that measuring needs, rather than after minutes.
+    """Check that everything needed is installed, before measuring takes minutes.
 
     Parameters
     ----------
     names
         Sections that are to be measured.
     images, videos
-        Whether the user has given own ones, so that no package's are needed.
+        Whether the user has given these, so that no package's are needed.
 
     Raises
     ------

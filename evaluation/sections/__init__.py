@@ -1,1 +1,1 @@
-"""What is measured of it, one section a file."""
+"""Sections of the study, one per file."""

@@ -1,9 +1,8 @@
-"""What each step of profile ``robust`` towards stable corners is worth, at equal numbers of
-corners.
+"""Gain of each step of profile ``robust`` towards stable corners, at equal numbers of corners.
 
-From ranking by D upwards one thing changes at a time: the paper's texture filter, Sobel gradients,
-with the response filter, with the adaptive threshold. All are placed by the gradient step, so
-differences are those of the choice.
+From ranking by D on, one thing changes at a time: the paper's texture filter, Sobel gradients, with
+the response filter, with the adaptive threshold. All corners are placed by the gradient step, so
+the differences are those of the choice.
 """
 
 from __future__ import annotations
@@ -30,8 +29,9 @@ ADAPTIVE = "and adaptive threshold"
 
 
 def steps() -> list[Detector]:
-    """Ranking by D, the paper's filter in its place, and the profile's own steps, each with those
-    before it.
+    """Ranking by D, ranking with the paper's filter, and the profile's steps.
+
+    Each of the profile's steps includes those before it.
     """
     sobel = PLAIN_PARAMETERS.changed(derivative="sobel")
     smoothed = sobel.changed(response_filter="binomial")
@@ -49,7 +49,7 @@ VIEWS = ("shift", "larger, brighter", "noisy")
 
 
 def chosen(pairs: list[Pair]) -> list[Pair]:
-    """All pairs but rendered ones whose view is not in :data:`VIEWS`."""
+    """All pairs except rendered ones whose view is not in :data:`VIEWS`."""
     rendered = {view.name for view in views.VIEWS}
     return [pair for pair in pairs if pair.name in VIEWS or pair.name not in rendered]
 

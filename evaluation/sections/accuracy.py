@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def figures(offsets: Values) -> Figures:
-    """As :func:`figures_of_images`, of (n, 2) errors that are each from another image."""
+    """The same as :func:`figures_of_images`, for (n, 2) errors, each from another image."""
     return figures_of_images(list(offsets[:, None, :]))
 
 
@@ -43,7 +43,7 @@ def rate(found: list[bool]) -> Figures:
 
 
 def kind_figures(outcome: Outcome, parameters: Parameters) -> Figures:
-    """All about one kind: the profile's own fit, then each method, then each method by noise."""
+    """Figures of one kind: the profile's own fit, then each method, then each method by noise."""
     by_method = {name: figures(outcome.offsets(name)) for name in methods(parameters)}
     noises = np.array([scene.noise for scene in outcome.scenes])
     by_noise = {

@@ -1,9 +1,9 @@
 """How T1 follows a target number of corners on video: made of photographs that scikit-image ships.
 
 The scene pans, zooms, darkens, cuts to another one, goes black and comes back, with noise of its
-own in every frame. Beside the law that is built (``golden.adaptation``) stands the usual
-alternative, which counts only what it reports and turns T1 up or down by a step that depends on how
-far off that is.
+own in every frame. The law that is built (``golden.adaptation``) is compared with the usual
+alternative, which counts only the reported corners and changes T1 by a step that depends on the
+error of this count.
 """
 
 from __future__ import annotations
@@ -38,8 +38,9 @@ TARGETS = (100, 300)
 TOLERANCES = (1 / 8, 1 / 4)
 STEPS, PAPER = "steps", "histogram, the paper's filter"
 LAWS = ("histogram", PAPER, STEPS)
-"""What decides about T1. The paper's filter compares with a fraction of the frame before's largest
-D, which jumps.
+"""Laws that decide T1.
+
+The paper's filter compares with a fraction of the previous frame's largest D, which jumps.
 """
 
 
@@ -98,8 +99,9 @@ def video() -> list[Image]:
 
 
 def stepped(t1: int, count: int, target: int, least: int) -> int:
-    """T1 after a frame of so many corners: times a power of two that grows with the error; none
-    within an eighth.
+    """T1 after a frame with ``count`` corners: times a power of two that grows with the error.
+
+    It stays where the count is within an eighth of the target.
     """
     ratio = count / target
     for bound, step in ((4, 8), (2, 5), (1.5, 3), (9 / 8, 1)):

@@ -22,9 +22,7 @@ from golden import Parameters, Settings
 def offsets(
     localisation: Localisation, reference: Values
 ) -> tuple[dict[str, Values], list[bool], list[bool]]:
-    """Errors to a board's corners: by method (n, 2), and of every corner whether it was found, and
-    accepted.
-    """
+    """Errors to a board's corners by method, (n, 2), and which corners were found and accepted."""
     rows = [localisation.nearest(x, y, WITHIN) for x, y in reference]
     found = [row is not None for row in rows]
     accepted = [row is not None and bool(localisation.accepted[row]) for row in rows]
@@ -62,8 +60,8 @@ def chessboards(
 ) -> Figures:
     """Each profile on all boards in which the reference finds its corners.
 
-    The reference is the truth where it is known, that is of rendered boards, else OpenCV's board
-    detector, which is compared with the truth besides.
+    The reference is the truth for rendered boards, and OpenCV's board detector for all others. That
+    detector is compared with the truth as well.
     """
     kept: list[Board] = []
     references: list[Values] = []
@@ -125,7 +123,7 @@ def _table(name: str, boards: Figures) -> Table:
 
 
 def facts(found: Figures) -> dict[str, Any]:
-    """How many boards and corners there are, and what the reference is worth."""
+    """Numbers of boards and corners, and the error of the reference."""
     each = {name: boards for name, boards in found.items() if boards}
     return {
         "boards": each,

@@ -1,9 +1,7 @@
-"""What the detector cannot do, shown: boards too fine for its kernel, and corners too soft for its
-gradient step.
+"""Limits of the detector: boards too fine for its kernel, corners too soft for its gradient step.
 
 ``python -m evaluation.sections.limits`` draws the picture of docs/reference/limits.md anew;
-tests/evaluation/sections/test_limits.py measures the
-page's figures.
+tests/evaluation/sections/test_limits.py measures the page's figures.
 """
 
 from __future__ import annotations
@@ -49,9 +47,7 @@ def board(square: int) -> Image:
 
 
 class Found(NamedTuple):
-    """On a board: how many corners there are, how many were found, and how far off the worst is, in
-    pixels.
-    """
+    """Numbers of corners on a board and of those found, and the largest error in pixels."""
 
     there: int
     found: int
@@ -59,8 +55,9 @@ class Found(NamedTuple):
 
 
 def on_board(square: int, parameters: Parameters) -> Found:
-    """What is found with the usual settings; there are those between whose four pixels a peak can
-    be.
+    """Corners found with the usual settings.
+
+    They are compared with the corners of which a peak can be one of the four pixels around.
     """
     found = detect(board(square), parameters)
     edges = np.arange(square, BOARD_SIDE, square) - 0.5
@@ -70,10 +67,9 @@ def on_board(square: int, parameters: Parameters) -> Found:
 
 
 def saddle(x: float, y: float, blur: float, degrees: float) -> Image:
-    """Two crossing edges, 30 and 220 grey, turned, blurred by a Gaussian of so many pixels, (48,
-    48).
+    """Two crossing edges, 30 and 220 grey, turned and blurred by a Gaussian, (48, 48).
 
-    Exact but for the average over a pixel's square, which is that of 4x4 samples.
+    It is exact except for the average over a pixel's square, which is that of 4x4 samples.
     """
     from scipy.special import erf
 
@@ -87,9 +83,7 @@ def saddle(x: float, y: float, blur: float, degrees: float) -> Image:
 
 
 def wander(blur: float, degrees: float, fit: Fit) -> float:
-    """Largest less smallest error in x, in pixels, of a saddle that moves over a pixel in sixteen
-    steps.
-    """
+    """Largest less smallest error in x, in pixels, of a saddle that moves in 16 steps of 1/16."""
     middle, y = SADDLE_SIDE / 2, SADDLE_SIDE / 2 + 0.3
     errors = []
     for x in middle + np.arange(STEPS) / STEPS:

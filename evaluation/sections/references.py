@@ -1,8 +1,8 @@
-"""What the reference of the thresholds does when a few pixels are hot, and when the light flickers.
+"""The reference of the thresholds when a few pixels are hot, and when the light flickers.
 
-The largest D of a frame is what its brightest mark makes it; the D that some number of corners
-exceed is not. And a reference is the frame before's, so where frames differ it is the wrong one,
-unless it is an average or a constant.
+The brightest spot alone decides the largest D of a frame; it does not decide the D that a number of
+corners exceed. A reference is also that of the previous frame. Where frames differ, it is the wrong
+one, unless it is an average or a constant.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ def references(
     quick: bool = False,
     notify: Notify = lambda done: None,
 ) -> Figures:
-    """Both for every profile; ``notify`` is told how many profiles are done."""
+    """Both measurements for every profile; ``notify`` gets the number of profiles done."""
     names, draws, frames = (PHOTOGRAPHS[2:3], 1, 8) if quick else (PHOTOGRAPHS, DRAWS, FRAMES)
     found: Figures = {}
     for done, (name, parameters) in enumerate(profiles.items(), 1):

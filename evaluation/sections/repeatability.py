@@ -1,4 +1,4 @@
-"""Repeatability: the share of corners that another view of the scene has again."""
+"""Repeatability: the share of corners that are found again in another view of the scene."""
 
 from __future__ import annotations
 
@@ -41,9 +41,7 @@ if TYPE_CHECKING:
 
 
 class Score(NamedTuple):
-    """One detector on one pair: corners that count in each view, those matched, and the matches'
-    mean distance.
-    """
+    """One detector on one pair: corners of each view, matches, and their mean distance."""
 
     first: int
     second: int
@@ -75,8 +73,8 @@ class Visible:
 def corners_of(seen: Visible, detectors: list[Detector], mode: Mode) -> dict[str, tuple[Points, Points]]:
     """By the detector's name, the corners of both views that count.
 
-    Where numbers are to be equal they are so in each view: N as the mode says, or what the detector
-    that finds fewest has, if that is less.
+    In a mode of equal numbers, all detectors have the same number in each view: N, or the smallest
+    number that any detector finds, if that is less.
     """
     found = {each.name: seen(each, mode.thresholds, mode.equal) for each in detectors}
     if not mode.equal:
@@ -108,8 +106,9 @@ def scores(
 
 
 def summary(pairs: list[Pair], found: list[Score]) -> Figures:
-    """Repeatability, localisation error and numbers, as means over pairs; intervals over
-    photographs.
+    """Means over pairs of repeatability, localisation error and numbers.
+
+    Intervals are those over photographs.
     """
     fewer = [min(each.first, each.second) for each in found]
     return {
@@ -126,9 +125,7 @@ def gain(pairs: list[Pair], ours: list[Score], base: list[Score]) -> Figures:
 
 
 def mode_figures(pairs: list[Pair], found: dict[str, list[Score]], *, views: bool = False) -> Figures:
-    """One mode: each detector over all pairs and by class of scene, and what it gains over having
-    no filter.
-    """
+    """One mode: each detector over all pairs and by class of scene, and the gain of its filter."""
     results = figures_of_parts(pairs, found, parts_of(pairs), summary, gain)
     if views:
         for name, each in found.items():
@@ -252,7 +249,7 @@ def _curves(axes: Axes, curve: list[Figures], names: list[str]) -> None:
 
 
 def facts(found: Figures) -> dict[str, Any]:
-    """How many views of what."""
+    """Numbers of views and photographs."""
     return {
         "views": [view.name for view in VIEWS],
         "modes": list(found["rendered"]["modes"]),
@@ -267,8 +264,9 @@ _PART = 200
 
 
 def picture(profiles: dict[str, Parameters]) -> bytes:
-    """Corners of part of a photograph, equal numbers in the whole: those another view has again,
-    and the others. A JPEG file.
+    """Corners in a part of a photograph, found again in another view or not; a JPEG file.
+
+    The detectors have equal numbers of corners in the whole photograph.
     """
     images = {image.name: image for image in photographs()}
     shown: list[Detector] = [each for each in detectors(profiles) if each.name in (*profiles, PLAIN)]

@@ -1,6 +1,4 @@
-"""Robustness as the paper defines it: rho = corners that a correlation tracker finds again /
-corners given to it.
-"""
+"""Robustness as in the paper: rho = corners that a tracker finds again / corners given to it."""
 
 from __future__ import annotations
 
@@ -37,8 +35,9 @@ VIDEO = "video"
 
 
 class Score(NamedTuple):
-    """One detector on one pair: corners given, corners tracked, and of these, where known, to the
-    right place.
+    """One detector on one pair: corners given, corners tracked, and corners tracked rightly.
+
+    The last number is known only for pairs with a homography.
     """
 
     given: int
@@ -61,14 +60,12 @@ def farthest(pair: Pair) -> float:
 
 
 def trackable(pairs: list[Pair], reach: int = REACH) -> list[Pair]:
-    """The pairs of one size in which everything stays within the tracker's reach, as far as is
-    known.
-    """
+    """The pairs of one size in which every known movement is within the tracker's reach."""
     return [p for p in pairs if p.first.shape == p.second.shape and farthest(p) <= reach]
 
 
 def score(pair: Pair, points: Points, tracks: Tracks) -> Score:
-    """Look up what became of these corners, at their nearest pixels."""
+    """Look up the tracks of these corners, at their nearest pixels."""
     columns, rows = np.rint(points).astype(np.intp).T
     kept: NDArray[np.bool_] = tracks.tracked[rows, columns]
     if pair.homography is None:
@@ -80,8 +77,9 @@ def score(pair: Pair, points: Points, tracks: Tracks) -> Score:
 
 
 def corners_of(pair: Pair, detectors: list[Detector], mode: Mode, cache: DetectionCache) -> dict[str, Points]:
-    """By the detector's name, the corners of the first view that count; of equal number if the mode
-    says so.
+    """By the detector's name, the corners of the first view that count.
+
+    Their numbers are equal in a mode of equal numbers.
     """
 
     def ask(detector: Detector, ranked: bool) -> Points:

@@ -1,4 +1,4 @@
-"""What a section of the study is, and what all sections of a run measure on."""
+"""A section of the study, and the material that all sections of a run measure."""
 
 from __future__ import annotations
 
@@ -16,9 +16,7 @@ from evaluation.presentation.table import Table
 from golden import Parameters
 
 Progress = Callable[[str, int], AbstractContextManager[Notify]]
-"""Called with what is being measured and how many steps it takes; gives what is to be called with
-the number of steps done.
-"""
+"""Called with a text and a number of steps; its result is called with the number of steps done."""
 Option = Literal["profiles", "images", "pairs", "videos", "boards"]
 Need = Literal["views", "videos", "photographs", "synthesis"]
 
@@ -58,7 +56,7 @@ class Material:
     profiles
         Detectors, by name.
     quick
-        Few scenes, photographs and views: to see that everything works. The figures are not to be
+        Few scenes, photographs and views, to see that everything works. Such figures must not be
         quoted.
     user
         Images that the user gave.
@@ -95,13 +93,13 @@ class Section:
     Attributes
     ----------
     name
-        As ``--only`` takes it; also the key of its figures in the study.
+        Name for ``--only``; also the key of its figures in the study.
     title
         Heading on the page.
     measure
         Returns plain figures, as JSON takes them.
     tables
-        Makes tables of the figures, by the name under which the page's prose places them.
+        Makes tables from the figures, by the name under which the page's prose places them.
     plots
         By file name, what draws the figures; returns the file's bytes.
     pictures
@@ -109,7 +107,7 @@ class Section:
     facts
         What the page's prose mentions besides tables.
     needs
-        What must be installed unless the user gives images.
+        Packages that must be installed unless the user gives images.
     options
         Options of the command that change what is measured.
     not_quick

@@ -1,4 +1,4 @@
-"""The paper's Table 5: eight images of one corner, and where each method puts it."""
+"""The paper's Table 5: eight images of one corner, and its position by each method."""
 
 from __future__ import annotations
 

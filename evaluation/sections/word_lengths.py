@@ -1,4 +1,4 @@
-"""What fewer bits would save and cost: of A, B and C, of D, and of the mantissas of the offset."""
+"""Savings and cost of fewer bits: in A, B and C, in D, and in the mantissas of the offset."""
 
 from __future__ import annotations
 

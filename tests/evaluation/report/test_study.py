@@ -109,7 +109,7 @@ def test_sections_can_be_chosen() -> None:
 
 def test_page_shows_what_was_measured() -> None:
     text = page(measured())
-    assert "not to be quoted" in text and "{{" not in text and "None" not in text and "nan" not in text
+    assert "do not quote" in text and "{{" not in text and "None" not in text and "nan" not in text
     for heading in ("Accuracy", "Table 5", "Chessboards", "Repeatability", "Given pairs", "Robustness"):
         assert re.search(rf"^##+ .*{heading}", text, re.MULTILINE), heading
     first = measured()["accuracy"]["robust"]["L"]
