@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
+import multiprocessing
+import runpy
 import shutil
-import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,8 +12,15 @@ ROOT = Path(__file__).resolve().parents[2]
 COPIED = ("golden", "hdl", "sim", "tests", "pyproject.toml")
 PLUGINS = ("-p", "_hypothesis_pytestplugin")
 """The only one that these tests need: looking for others takes as long as many a test."""
+TIMEOUT = 300
+"""Seconds until the tests in a copy are ended."""
 TESTS_FAILED = 1
 """pytest's exit code for that; anything else says that the tests could not be run."""
+_SCRIPT = Path(__file__).with_name("in_copy.py")
+_PROCESSES = multiprocessing.get_context(
+    "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
+)
+_PROCESSES.set_forkserver_preload(["amaranth.sim", "hypothesis", "numpy", "pytest", "skimage.data"])
 
 
 @dataclass(frozen=True)
@@ -59,13 +65,18 @@ def change(path: Path, text: str) -> None:
         compiled.unlink()
 
 
-def run_tests(folder: Path, files: list[str], only: str = "") -> subprocess.CompletedProcess[str]:
-    """pytest in the copy, on the copy's modules."""
-    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
-    # simulators are kept by what they are made of: in one place, for all of us and all copies
-    environment |= {"PYTHONPATH": str(folder), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *PLUGINS]
-    command += ["-k", only] * bool(only) + files
-    return subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=300
-    )
+def run_tests(folder: Path, files: list[str], only: str = "") -> tuple[int | None, str]:
+    """pytest in the copy, on the copy's modules: its exit code, and all that it said.
+
+    The process is a fork of one that has imported what others wrote, which takes longer than most of
+    these tests. It ends with the process that has asked for it.
+    """
+    options = ["-x", "-q", "-p", "no:cacheprovider", *PLUGINS, *(["-k", only] if only else [])]
+    output = folder / "output.txt"
+    names = {"FOLDER": str(folder), "OUTPUT": str(output), "ARGUMENTS": [*options, *files]}
+    process = _PROCESSES.Process(target=runpy.run_path, args=(str(_SCRIPT), names))
+    process.start()
+    process.join(TIMEOUT)
+    process.kill()
+    process.join()
+    return process.exitcode, output.read_text(encoding="utf-8") if output.exists() else ""

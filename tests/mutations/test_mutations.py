@@ -20,11 +20,11 @@ def test_the_suite_notices(mutation: Mutation, tmp_path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     assert text.count(mutation.old) == 1, f"{mutation.old!r} occurs {text.count(mutation.old)} times"
     change(path, text.replace(mutation.old, mutation.new))
-    done = run_tests(tmp_path, [mutation.tests], mutation.only)
-    assert done.returncode == TESTS_FAILED, done.stdout + done.stderr
+    code, output = run_tests(tmp_path, [mutation.tests], mutation.only)
+    assert code == TESTS_FAILED, output
     # and by comparison, not because the changed source cannot be run
-    reasons = [line.lower() for line in done.stdout.splitlines() if line.startswith("E ")]
-    assert any("assert" in reason for reason in reasons), done.stdout
+    reasons = [line.lower() for line in output.splitlines() if line.startswith("E ")]
+    assert any("assert" in reason for reason in reasons), output
 
 
 FILES = {mutation.tests: mutation.tests for mutation in MUTATIONS.values()}
@@ -37,5 +37,5 @@ def test_the_same_tests_pass_on_an_unchanged_copy(file: str, tmp_path: Path) -> 
     choices = {mutation.only for mutation in MUTATIONS.values() if mutation.tests == file}
     # a file without a choice is run whole
     only = "" if "" in choices else " or ".join(f"({choice})" for choice in sorted(choices))
-    done = run_tests(tmp_path, [file], only)
-    assert done.returncode == 0, done.stdout + done.stderr
+    code, output = run_tests(tmp_path, [file], only)
+    assert code == 0, output
