@@ -113,8 +113,26 @@ def test_a_folder_without_init_hides_nothing_on_the_path(tmp_path: Path) -> None
     assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_a_folder_without_init_hides_nothing_where_cornerstream_is_installed(tmp_path: Path) -> None:
+    """A project with folders hdl and sim: programs in it import cornerstream all the same.
+
+    Fails also where the editable install is older than pyproject.toml: install it anew.
+    """
+    for name in ROOMS:
+        other(tmp_path, name, "folder")
+    script = "from cornerstream import AxiCore, detect, make_engine; print('found')"
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
+    assert (done.stdout, done.stderr, done.returncode) == ("found\n", "", 0)
+
+
 def test_a_folder_without_init_that_was_found_first(tmp_path: Path) -> None:
     folder = other(tmp_path, "hdl", "folder").parent
-    script = f"import hdl, sys; sys.path.insert(0, {str(ROOT)!r}); from cornerstream import detect"
+    script = (
+        "import sys; path = sys.path[:]; sys.path[:] = path[:1]; import hdl;"
+        f"sys.path[:] = [{str(ROOT)!r}, *path]; from cornerstream import detect"
+    )
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
     assert f"hdl is {folder}, which hides" in done.stderr.splitlines()[-1]
