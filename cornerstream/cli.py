@@ -39,14 +39,14 @@ def main() -> None:
 
     \b
     Examples:
-      cornerstream simulate                  the hardware, clock by clock, on a photograph
-      cornerstream simulate photo.jpg        ... on your own
-      cornerstream detect photo.jpg --json   the golden model only
-      cornerstream verilog -o core.v         the core, for your synthesis tool
-      cornerstream package -o ip             the core with drivers, descriptions and an example
-      cornerstream quartus export            the core, as a Quartus project
-      cornerstream synth                     its area and clock frequency
-      cornerstream eval                      how good its corners are
+      cornerstream simulate              a photograph through the hardware
+      cornerstream simulate photo.jpg    your own photograph
+      cornerstream detect photo.jpg      the golden model only
+      cornerstream verilog -o core.v     the core, for your synthesis tool
+      cornerstream package -o ip         the core with drivers and an example
+      cornerstream quartus export        the core, as a Quartus project
+      cornerstream synth                 its area and clock frequency
+      cornerstream eval                  how good its corners are
 
     Exit codes: 0 all well, 1 hardware and golden model differ, timing is not met or the run failed,
     2 bad input, 130 interrupted.

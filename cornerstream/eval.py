@@ -42,8 +42,10 @@ _LEFT_OUT = [name for name, section in SECTIONS.items() if section.not_quick]
 @click.option(
     "--only",
     multiple=True,
+    metavar="SECTION",
     type=click.Choice(list(SECTIONS)),
-    help=f"Measure this only; may be given again; with --quick not {' or '.join(_LEFT_OUT)}.  [default: all]",
+    help=f"Measure this only: {', '.join(SECTIONS)}; may be given again; with --quick not "
+    f"{' or '.join(_LEFT_OUT)}.  [default: all]",
 )
 @click.option(
     "--profile",

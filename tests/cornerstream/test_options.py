@@ -60,6 +60,13 @@ def test_commands_with_an_image_have_all_settings(command: str) -> None:
     assert set(options(Settings)) - set(listed(command)) == {"report_rejected"}
 
 
+@pytest.mark.parametrize("command", ["", "bench", "compare", "eval", "quartus", "quartus report"])
+def test_help_fits_into_80_columns(command: str) -> None:
+    words = [*command.split(), "--help"]
+    result = CliRunner().invoke(main, words, prog_name="cornerstream", terminal_width=80)
+    assert result.exit_code == 0 and max(map(len, result.stdout.splitlines())) <= 80
+
+
 @pytest.mark.parametrize("width", [80, 100])
 @pytest.mark.parametrize("command", ["detect", "simulate", "verilog", "package", "quartus export", "synth"])
 def test_help_lists_the_groups_in_order(command: str, width: int) -> None:
