@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from golden import Corners, Parameters, Settings
+from golden.algorithm import DEFAULT_PROFILE
 
 
 def advice(
@@ -33,7 +34,10 @@ def advice(
     accepted = int(np.count_nonzero(corners.accepted))
     rejected = len(corners) - accepted
     if rejected > accepted:
-        return f"{profile}: the texture filter rejects {rejected} of {len(corners)} corners; {_remedy(parameters)}"
+        told = f"{profile}: the texture filter rejects {rejected} of {len(corners)} corners"
+        if parameters.algorithm.texture == "mean":
+            return f"{told}; try a smaller --sigma2"
+        return f"{told}; {_try_the_default_or('a larger --sigma2', profile)}"
     if len(corners):
         return None
     if largest == 0:
@@ -44,8 +48,9 @@ def advice(
     if largest > t1:
         # such as between the squares of a drawn chessboard, which lies between four pixels
         strict = parameters.algorithm.ties == "strict"
-        ties = "of two equal neighbouring responses neither is a corner; try --ties first"
-        return f"{why}; {ties if strict else 'no peak of the response is above T1'}"
+        ties = "of two equal neighbouring responses neither is a corner"
+        remedy = _try_the_default_or("--ties first", profile)
+        return f"{why}; {f'{ties}; {remedy}' if strict else 'no peak of the response is above T1'}"
     if reference == settings.floor:
         return (
             f"{why}, since the reference is never below --floor, which is {reference}; try a smaller --floor"
@@ -55,7 +60,7 @@ def advice(
     return f"{why}; try a smaller --sigma1, which is {settings.sigma1:g}"
 
 
-def _remedy(parameters: Parameters) -> str:
-    if parameters.algorithm.texture == "mean":
-        return "try a smaller --sigma2"
-    return "try --profile robust, or a larger --sigma2"
+def _try_the_default_or(remedy: str, profile: str) -> str:
+    if profile == DEFAULT_PROFILE:
+        return f"try {remedy}"
+    return f"try --profile {DEFAULT_PROFILE}, or {remedy}"
