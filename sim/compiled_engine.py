@@ -115,7 +115,7 @@ class CompiledEngine(NativeEngine):
         text = rtlil.convert(component, name=_TOP, ports=signals(component), emit_src=False)
         self._rtlil = without_zeros(text)
         self._present = top_ports(self._rtlil)
-        self.name = f"compiled ({find_compiler().label})"
+        self.name = f"compiled ({find_compiler().title})"
         self._notify = notify
         self._cache = cache
 

@@ -43,6 +43,12 @@ class Compiler:
     command: tuple[str, ...]
     label: str
 
+    @property
+    def title(self) -> str:
+        """The label for readers: without the command's name if its version begins with that."""
+        name, _, version = self.label.partition(": ")
+        return version if version.startswith(name) else self.label
+
 
 def _from_command(command: tuple[str, ...], origin: str) -> Compiler:
     try:
@@ -187,7 +193,7 @@ def build(
         # whoever built before us may have built this
         if kept := find(place, key, suffix):
             return kept
-        notify(f"compiling the simulator with {compiler.label} (kept in {place})")
+        notify(f"compiling the simulator with {compiler.title} (kept in {place})")
         for file, text in files.items():
             (folder / file).write_text(text, encoding="utf-8")
         sources = generate(folder)
@@ -196,5 +202,5 @@ def build(
         command = [*compiler.command, *flags, *sources, "-o", str(output), *(program or [])]
         run_tool(command, "the C++ compiler", folder)
         if not output.exists():
-            raise CompilationError(f"{compiler.label} has made nothing; allowed: a C++ compiler")
+            raise CompilationError(f"{compiler.title} has made nothing; allowed: a C++ compiler")
         return keep(output, place, key, suffix)

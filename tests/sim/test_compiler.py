@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from sim import CompilationError, CompilerNotFoundError, make_engine
-from sim.compiler import build, find_compiler
+from sim.compiler import Compiler, build, find_compiler
 from sim.native import load
 from tests.sim.components import Slice
 
@@ -40,6 +40,18 @@ def test_the_variable_comes_first(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
     compiler = find_compiler()
     assert compiler.label == "mycc: My Compiler 7"
     assert compiler.command == (str(tmp_path / "mycc"), "-m32")
+
+
+@pytest.mark.parametrize(
+    ("label", "title"),
+    [
+        ("g++: g++ (Debian) 12.2.0", "g++ (Debian) 12.2.0"),
+        ("clang++: clang version 14", "clang++: clang version 14"),
+        ("zig 0.13.0", "zig 0.13.0"),
+    ],
+)
+def test_the_title_says_no_name_twice(label: str, title: str) -> None:
+    assert Compiler(("c++",), label).title == title
 
 
 @pytest.mark.parametrize("value", ["/nowhere/c++", "false"])
