@@ -89,6 +89,7 @@ lint: | $(TEST)  ## ruff and mypy
 
 docs: | $(DOCS)  ## all pages as a static site in build/site; a warning is an error
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --site-dir $(abspath $(BUILD))/site
+	@echo "Written: $(BUILD)/site/index.html"
 
 eval: | $(EVAL)  ## how good the corners are, into build/evaluation: some minutes; ARGS=--quick for less
 	$(BIN)/cornerstream eval --output $(BUILD)/evaluation $(ARGS)
