@@ -1,3 +1,4 @@
+# amaranth: UnusedElaboratable=no
 """Savings and cost of fewer bits: in A, B and C after smoothing, in D, and in the mantissas.
 
 Accuracy is that of the golden model's own functions with some of their results cut. Area is that of
