@@ -21,8 +21,13 @@ class Flag(IntFlag):
     """Bits 63:61 of a record."""
 
     CLAMPED = 1
+    """The peak was too far from its pixel; the position is at the limit of the subpixel step."""
+
     NOT_MAXIMUM = 2
+    """No peak could be fitted, or all gradients are parallel; the position is the whole pixel."""
+
     TEXTURED = 4
+    """The texture filter rejects this corner."""
 
 
 class ByValue:
