@@ -21,7 +21,7 @@ from hdl.parts.stream import Beat, Columns
 from hdl.preprocessing import PIXEL_ROWS, Preprocessing
 from sim.engine import EngineName
 from sim.stimulus import Stalls
-from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, columns, engine, noise, pack, raster, run
+from tests.support.blocks import RUN_IDS, RUNS, columns, noise, raster, run_block
 
 SIZES = [(15, 15), (9, 40), (7, 8), (20, 23)]
 BEAT = Beat(data.StructLayout({"a": products_layout(Build.profile("paper"))["a"].shape, "pixel": 8}))
@@ -64,10 +64,8 @@ def test_pixels_keep_step_with_products(name: EngineName, stalls: Stalls) -> Non
     inner = [frame[3:-3, 3:-3] for frame in frames]
     a = [smooth(products(*gradients(frame), "absolute")[0]) for frame in frames]
     expected = raster(inner) | {"data": {"a": raster(a)["data"], "pixel": raster(inner)["data"]}}
-    given = pack(Columns(unsigned(8), PIXEL_ROWS), columns(frames, PIXEL_ROWS))
-    capture = run(engine(name, Beside), {"i": given}, {"o": pack(BEAT, expected)}, stalls)
-    if stalls == NO_STALLS:
-        assert len(capture.outputs["o"]) == sum(frame.size for frame in inner)
+    capture = run_block((Beside,), {"i": columns(frames, PIXEL_ROWS)}, {"o": expected}, name, stalls)
+    assert len(capture.outputs["o"]) == sum(frame.size for frame in inner)
 
 
 def test_the_centre_is_as_far_back_as_the_responses_margin() -> None:

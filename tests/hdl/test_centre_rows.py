@@ -18,14 +18,10 @@ from tests.support.blocks import (
     RUN_IDS,
     RUNS,
     Array,
-    assert_timing,
+    check_block,
     columns,
-    completing,
-    engine,
     extremes,
     noise,
-    pack_samples,
-    run,
     unpack,
 )
 
@@ -35,20 +31,11 @@ FULL = Build.profile("paper").response_max
 def check(
     frames: list[Array], name: EngineName = "compiled", stalls: Stalls = NO_STALLS, pixel_bits: int = 8
 ) -> Capture:
-    parameters = Build.profile("paper", pixel_bits=pixel_bits)
-    block = CentreRows(parameters)
+    block = CentreRows, Build.profile("paper", pixel_bits=pixel_bits)
     inner = [frame[3:-3, 3:-3] for frame in frames]
-    capture = run(
-        engine(name, CentreRows, parameters),
-        {"i": pack_samples(block.i.payload.shape(), columns(frames, 9))},
-        {"o": pack_samples(block.o.payload.shape(), columns(inner, 3))},
-        stalls,
-    )
-    if stalls == NO_STALLS:
-        sizes = [(len(frame) - 8, frame.shape[1]) for frame in frames]
-        # three columns past the one that comes out
-        assert_timing(capture, block.latency, completing(sizes, 7))
-    return capture
+    given, expected = {"i": columns(frames, 9)}, {"o": columns(inner, 3)}
+    # three columns past the one that comes out
+    return check_block(block, given, expected, name, stalls, window=7)
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)

@@ -26,16 +26,11 @@ from tests.support.blocks import (
     RUN_IDS,
     RUNS,
     Array,
-    Words,
-    assert_timing,
+    check_block,
     columns,
-    completing,
-    engine,
     extremes,
     noise,
-    pack,
     raster,
-    run,
     unpack,
 )
 
@@ -44,25 +39,27 @@ SIZES = [(5, 5), (11, 19), (5, 40), (20, 6), (6, 5)]
 Pair = tuple[Array, Array]
 
 
-def streams(frames: list[Pair], parameters: Parameters) -> tuple[dict[str, Words], dict[str, Words]]:
-    """Of frames of gradients, (gx, gy): their sizes, and the smoothed golden products."""
-    block = Convolution(parameters)
+def sizes_of(frames: list[Pair], parameters: Parameters) -> dict[str, Any]:
+    """Columns of the sizes of gradients, (gx, gy)."""
+    sizes = [np.stack([abs(gx), abs(gy), difference(gx, gy, parameters)], axis=-1) for gx, gy in frames]
+    return columns(sizes, 5, ("gx", "gy", "difference"))
+
+
+def check(
+    parameters: Parameters, frames: list[Pair], name: EngineName = "compiled", stalls: Stalls = NO_STALLS
+) -> dict[str, Array]:
+    """Frames of gradients, (gx, gy), against the smoothed golden products; these are returned."""
     tensors = [products(gx, gy, parameters.algorithm.gradient) for gx, gy in frames]
-    sizes = columns(
-        [np.stack([abs(gx), abs(gy), difference(gx, gy, parameters)], axis=-1) for gx, gy in frames], 5
-    )
-    smoothed = raster([np.stack([smooth(channel) for channel in tensor], axis=-1) for tensor in tensors])
-    given = pack(block.i.payload.shape(), fields(sizes, ("gx", "gy", "difference")))
-    return {"i": given}, {"o": pack(block.o.payload.shape(), fields(smoothed, ("a", "b", "c")))}
+    smoothed = [np.stack([smooth(channel) for channel in tensor], axis=-1) for tensor in tensors]
+    given, expected = {"i": sizes_of(frames, parameters)}, {"o": raster(smoothed, "abc")}
+    capture = check_block((Convolution, parameters), given, expected, name, stalls, window=5)
+    seen: dict[str, Array] = unpack(Beat(products_layout(parameters)), capture.outputs["o"])["data"]
+    return seen
 
 
 def difference(gx: Array, gy: Array, parameters: Parameters) -> Array:
     """Its square is gx² + gy² - 2·gx·gy, with or without signs."""
     return np.abs(gx - gy if parameters.algorithm.gradient == "signed" else np.abs(gx) - np.abs(gy))
-
-
-def fields(tagged: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
-    return tagged | {"data": {name: tagged["data"][:, k] for k, name in enumerate(names)}}
 
 
 def pairs(gx: list[Array], gy: list[Array]) -> list[Pair]:
@@ -78,11 +75,7 @@ def noisy(sizes: list[tuple[int, int]], largest: int) -> list[Pair]:
 def test_smoothing(gradient: Gradient, name: EngineName, stalls: Stalls) -> None:
     parameters = Build.profile("paper", gradient=gradient)
     sizes = SIZES if name == "compiled" else [(5, 5), (7, 12), (6, 5)]
-    given, expected = streams(noisy(sizes, 255), parameters)
-    capture = run(engine(name, Convolution, parameters), given, expected, stalls)
-    if stalls == NO_STALLS:
-        beats = completing([(height - 4, width) for height, width in sizes], 5)
-        assert_timing(capture, Convolution(parameters).latency, beats)
+    check(parameters, noisy(sizes, 255), name, stalls)
 
 
 @pytest.mark.parametrize("gradient", GRADIENTS)
@@ -93,9 +86,7 @@ def test_extremes(gradient: Gradient, pixel_bits: int) -> None:
     largest = parameters.pixel_max
     patterns = extremes((11, 13), largest, -largest)
     frames = [(gx, gy) for gx in patterns for gy in (gx, -gx, patterns[2], 0 * gx)]
-    given, expected = streams(frames + noisy([(40, 50)], largest), parameters)
-    run(engine("compiled", Convolution, parameters), given, expected)
-    smoothed = unpack(Beat(products_layout(parameters)), expected["o"])["data"]
+    smoothed = check(parameters, frames + noisy([(40, 50)], largest))
     most = parameters.product_max
     assert (smoothed["a"].max(), smoothed["b"].max(), smoothed["c"].max()) == (most, most, most)
     assert smoothed["c"].min() == (-most if gradient == "signed" else 0)
@@ -112,15 +103,10 @@ def test_every_tap(gradient: Gradient) -> None:
     parameters = Build.profile("paper", gradient=gradient)
     # the three squares are those of 8·8, 8·0, 0·8
     for gx, gy, expected in ((8, 8, (1, 1, 1)), (8, 0, (1, 0, 0)), (0, -8, (0, 1, 0))):
-        given, _ = streams([(np.where(p, gx, 0), np.where(p, gy, 0)) for p in place], parameters)
+        given = sizes_of([(np.where(p, gx, 0), np.where(p, gy, 0)) for p in place], parameters)
         values = {name: taps * factor for name, factor in zip("abc", expected, strict=True)}
         tagged = {"data": values, "eol": np.ones(25), "eof": np.ones(25)}
-        block = Convolution(parameters)
-        run(
-            engine("compiled", Convolution, parameters),
-            given,
-            {"o": pack(block.o.payload.shape(), tagged)},
-        )
+        check_block((Convolution, parameters), {"i": given}, {"o": tagged}, window=5)
 
 
 @pytest.mark.parametrize("name", ENGINES)
@@ -133,10 +119,7 @@ def test_halves_round_away_from_zero(name: EngineName) -> None:
     parameters = Build.profile("paper", gradient="signed")
     middle = np.arange(25).reshape(5, 5) == 12
     frames = [(np.where(middle, centre, 0), np.where(middle, 1, 0)) for centre in centres]
-    given, expected = streams(frames, parameters)
-    run(engine(name, Convolution, parameters), given, expected)
-    cross = unpack(Beat(products_layout(parameters)), expected["o"])["data"]["c"]
-    assert cross.tolist() == rounded
+    assert check(parameters, frames, name)["c"].tolist() == rounded
 
 
 @pytest.mark.parametrize(("gradient", "clocks"), [("absolute", 5), ("signed", 6)])

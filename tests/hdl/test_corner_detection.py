@@ -18,16 +18,13 @@ from tests.support.blocks import (
     RUN_IDS,
     RUNS,
     Array,
-    assert_timing,
+    check_block,
     columns,
-    completing,
     engine,
     extremes,
     noise,
-    pack,
-    pack_samples,
+    packed,
     raster,
-    run,
 )
 
 TIES: list[Ties] = ["strict", "first"]
@@ -43,27 +40,18 @@ def check(
     pixel_bits: int = 8,
 ) -> Capture:
     """Frames of responses, three rows and columns or more."""
-    parameters = Build.profile("paper", ties=ties, pixel_bits=pixel_bits)
-    block = CornerDetection(parameters)
     expected = raster([corner_detection(f, limit, ties) for f, limit in zip(frames, t1, strict=True)])
     responses = raster([frame[1:-1, 1:-1] for frame in frames])
     expected["data"] = {"corner": expected["data"], "response": responses["data"]}
-    capture = run(
-        engine(name, CornerDetection, parameters),
-        {
-            "i": pack_samples(block.i.payload.shape(), columns(frames, 3)),
-            "t1": np.array(t1, np.uint64),
-        },
-        {"o": pack(block.o.payload.shape(), expected)},
+    return check_block(
+        (CornerDetection, Build.profile("paper", ties=ties, pixel_bits=pixel_bits)),
+        {"i": columns(frames, 3), "t1": np.array(t1)},
+        {"o": expected},
+        name,
         stalls,
+        window=3,
+        held={"t1": "i"},
     )
-    if stalls == NO_STALLS:
-        sizes = [(len(frame) - 2, frame.shape[1]) for frame in frames]
-        assert_timing(capture, CornerDetection.latency, completing(sizes, 3))
-        # T1 goes with the frame's last column
-        ends = np.cumsum([height * width for height, width in sizes]) - 1
-        assert np.array_equal(capture.input_clocks["t1"], capture.input_clocks["i"][ends])
-    return capture
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
@@ -120,11 +108,10 @@ def test_every_pattern_of_ties(ties: Ties) -> None:
 
 def test_a_frame_waits_for_its_threshold() -> None:
     """Without T1 no column is taken."""
-    block = CornerDetection(Build.profile("paper"))
-    runner = engine("compiled", CornerDetection, Build.profile("paper"))
-    given = pack_samples(block.i.payload.shape(), columns(noise([(4, 5), (3, 6)], FULL), 3))
+    block = CornerDetection, Build.profile("paper")
+    given = packed(block, {"i": columns(noise([(4, 5), (3, 6)], FULL), 3), "t1": np.array([7])})
     with pytest.raises(SimulationHang, match=r"i 10 of 16 in, t1 1 of 1 in, .*o 6 out"):
-        runner.run(Stimulus({"i": given, "t1": np.array([7], np.uint64)}), max_clocks=200)
+        engine("compiled", *block).run(Stimulus(given), max_clocks=200)
 
 
 def test_latency() -> None:

@@ -18,7 +18,7 @@ from golden.divider import HALF, QUOTIENT_BITS, divide
 from hdl.divider import Divider
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.support.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run, unpack
+from tests.support.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, check_block, unpack
 
 USED = 17
 """Width in the subpixel refinement."""
@@ -73,19 +73,14 @@ def check(
     quotient = np.minimum((numerator << QUOTIENT_BITS) // denominator, 2 * HALF)
     # what the golden model makes of it
     assert np.array_equal((quotient + 1) >> 1, divide(numerator, denominator))
-    block = Dividing(bits)
-    given = {"numerator": numerator, "denominator": denominator}
-    expected = {"quotient": quotient, "reached": 2 * numerator >= denominator}
-    capture = run(
-        engine(name, Dividing, bits),
-        {"i": pack(block.i.payload.shape(), given)},
-        {"o": pack(RESULT, expected)},
+    return check_block(
+        (Dividing, bits),
+        {"i": {"numerator": numerator, "denominator": denominator}},
+        {"o": {"quotient": quotient, "reached": 2 * numerator >= denominator}},
+        name,
         stalls,
         clocks=Dividing.latency,
     )
-    if stalls == NO_STALLS:
-        assert_timing(capture, Dividing.latency, clocks=Dividing.latency)
-    return capture
 
 
 def operands(bits: int, count: int, seed: int = 0) -> tuple[Int64, Int64]:

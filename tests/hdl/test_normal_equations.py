@@ -6,6 +6,7 @@ width.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,6 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from golden.formats import MAX_PIXEL_BITS, MIN_PIXEL_BITS
 from golden.normal_equations import LARGEST, PIXEL_SIZE, largest, normal_equations
-from golden.parameters import Parameters
 from golden.subpixel import derivative_bits
 from hdl.build import Build
 from hdl.fits import derivatives_layout
@@ -26,16 +26,12 @@ from tests.support.blocks import (
     RUN_IDS,
     RUNS,
     Array,
-    Words,
-    assert_timing,
+    check_block,
     columns,
-    completing,
     engine,
     extremes,
     noise,
-    pack,
-    pack_samples,
-    run,
+    packed,
     same,
 )
 from tests.support.photographs import photograph
@@ -44,26 +40,30 @@ STEP = Build.profile("paper", fit="gradient")
 SIZES = [(9, 9), (16, 17), (9, 30), (24, 10), (10, 9)]
 
 
-def streams(frames: list[Array], parameters: Parameters) -> tuple[dict[str, Words], dict[str, Words]]:
+def streams(frames: list[Array]) -> tuple[dict[str, Any], dict[str, Any]]:
     windows = [
         sliding_window_view(frame, (PIXEL_SIZE, PIXEL_SIZE)).reshape(-1, PIXEL_SIZE, PIXEL_SIZE)
         for frame in frames
     ]
     expected = normal_equations(np.concatenate(windows))
-    shape = GradientStep(parameters).i.payload.shape()
-    given = pack_samples(shape, columns(frames, PIXEL_SIZE), "pixel")
-    return {"i": given}, {"o": pack(derivatives_layout(parameters), expected._asdict())}
+    given = columns(frames, PIXEL_SIZE)
+    given["data"] = {"pixel": given["data"]}
+    return {"i": given}, {"o": expected._asdict()}
+
+
+def check(
+    frames: list[Array],
+    parameters: Build = STEP,
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+) -> None:
+    check_block((GradientStep, parameters), *streams(frames), name, stalls, window=PIXEL_SIZE)
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 def test_sums(name: EngineName, stalls: Stalls) -> None:
     shapes = SIZES if name == "compiled" else [*SIZES[:1], (11, 12)]
-    frames = noise(shapes, 255, dtype=np.uint8)
-    given, expected = streams(frames, STEP)
-    capture = run(engine(name, GradientStep, STEP), given, expected, stalls)
-    if stalls == NO_STALLS:
-        beats = completing([(height - 8, width) for height, width in shapes], PIXEL_SIZE)
-        assert_timing(capture, GradientStep(STEP).latency, beats)
+    check(noise(shapes, 255, dtype=np.uint8), name=name, stalls=stalls)
 
 
 @pytest.mark.parametrize("pixel_bits", range(MIN_PIXEL_BITS, MAX_PIXEL_BITS + 1))
@@ -77,26 +77,25 @@ def test_extremes(pixel_bits: int) -> None:
         frames += [np.where(slope % 4 < 2, top, 0).astype(np.uint16)]
         frames += [np.where(slope % 4 < 2, 0, top).astype(np.uint16)]
     frames += noise([(60, 70)], top, 1, dtype=np.uint16)
-    given, expected = streams(frames, parameters)
-    run(engine("compiled", GradientStep, parameters), given, expected)
+    check(frames, parameters)
 
 
 def test_reset_in_mid_window_leaves_nothing_of_what_was_before() -> None:
     """The block's only memory of earlier columns that outlives a frame."""
     frames = noise([(20, 21), (14, 15)], 255, 5, dtype=np.uint8)
-    before, _ = streams(frames[:1], STEP)
-    after, expected = streams(frames[1:], STEP)
+    block = GradientStep, STEP
+    before, after = (packed(block, streams([frame])[0])["i"] for frame in frames)
+    expected = packed(block, streams(frames[1:])[1])["o"]
     for cut in (1, 30, 100):
-        pixels = np.concatenate([before["i"][:cut], after["i"]])
+        pixels = np.concatenate([before[:cut], after])
         stimulus = Stimulus({"i": pixels}, [], NO_STALLS, reset_after=cut)
-        words = engine("compiled", GradientStep, STEP).run(stimulus, quiet=200).outputs["o"]
-        same("o", words[len(words) - len(expected["o"]) :], expected["o"])
+        words = engine("compiled", *block).run(stimulus, quiet=200).outputs["o"]
+        same("o", words[len(words) - len(expected) :], expected)
 
 
 def test_photograph() -> None:
     frames = [photograph("camera")[100:220, 180:340], photograph("brick")[:80, :90]]
-    given, expected = streams(frames, STEP)
-    run(engine("compiled", GradientStep, STEP), given, expected, Stalls(inputs=0.2, outputs=0.2, seed=3))
+    check(frames, stalls=Stalls(inputs=0.2, outputs=0.2, seed=3))
 
 
 def test_formats_hold_what_the_formulas_can_give() -> None:

@@ -12,12 +12,10 @@ from golden.formats import MAX_SIDE
 from golden.output_constructor import FRAME_BITS, FrameEnd, decode, decode_frame_end, encode, encode_frame_end
 from golden.subpixel import Offset
 from hdl.build import Build
-from hdl.candidate_selection import pending_record_layout
 from hdl.output_constructor import OutputConstructor, record_layout
-from hdl.subpixel import offset_layout
 from sim.engine import EngineName, SimulationHang
 from sim.stimulus import Capture, Stalls, Stimulus
-from tests.support.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run, unpack
+from tests.support.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, check_block, engine, packed, unpack
 
 ABOVE = 7
 """Least whole coordinate of a corner, so that no offset makes it negative."""
@@ -59,18 +57,11 @@ def check(
     ]
     # the record is a whole word, the mark the lowest bit of the next
     expected = np.stack([record, end.astype(np.uint64)], axis=-1)
-    capture = run(
-        engine(name, OutputConstructor, parameters),
-        {
-            "pending": pack(pending_record_layout(parameters), pending),
-            # one for each corner
-            "offset": pack(offset_layout(), {field: value[end == 0] for field, value in offsets.items()}),
-        },
-        {"o": expected},
-        stalls,
-    )
+    # one for each corner
+    offsets = {field: value[end == 0] for field, value in offsets.items()}
+    given, block = {"pending": pending, "offset": offsets}, (OutputConstructor, parameters)
+    capture = check_block(block, given, {"o": expected}, name, stalls, i="pending")
     if stalls == NO_STALLS:
-        assert_timing(capture, OutputConstructor.latency, i="pending")
         assert np.array_equal(capture.input_clocks["offset"], capture.input_clocks["pending"][end == 0])
     return capture
 
@@ -100,20 +91,16 @@ def test_by_hand(name: EngineName) -> None:
     """A rejected corner at (10 + 1/2, 20 - 1/128) whose fit was clamped, D = 300; then the frame's
     end.
     """
-    parameters = Build.profile("paper")
     pending = {"x": [10, 0], "y": [20, 0], "response": [300, 5000], "textured": [1, 0], "end": [0, 1]}
     offset = {"dx": [64], "dy": [-1], "clamped": [1], "not_maximum": [0]}
     corner = 1344 | 2559 << 20 | 300 << 40 | 0b101 << 61
     end = 1 | 0 << 24 | 5000 << 40 | 0b011 << 61
-    capture = run(
-        engine(name, OutputConstructor, parameters),
-        {
-            "pending": pack(
-                pending_record_layout(parameters), {key: np.array(value) for key, value in pending.items()}
-            ),
-            "offset": pack(offset_layout(), {key: np.array(value) for key, value in offset.items()}),
-        },
+    capture = check_block(
+        (OutputConstructor, Build.profile("paper")),
+        {"pending": pending, "offset": offset},
         {"o": np.array([[corner, 0], [end, 1]], np.uint64)},
+        name,
+        i="pending",
     )
     seen = decode(unpack(record_layout(), capture.outputs["o"])["record"].astype(np.uint64))
     assert (seen.x.tolist(), seen.y.tolist()) == ([10.5], [20 - 1 / 128])
@@ -121,17 +108,13 @@ def test_by_hand(name: EngineName) -> None:
 
 def test_a_corner_waits_for_its_offset() -> None:
     """And the end behind it, which waits for nothing else."""
-    parameters = Build.profile("paper")
     zeros = np.zeros(3, np.int64)
     pending = {"x": zeros, "y": zeros, "response": zeros, "textured": zeros, "end": np.array([0, 0, 1])}
     offset = dict.fromkeys(("dx", "dy", "clamped", "not_maximum"), zeros[:1])
-    runner = engine("compiled", OutputConstructor, parameters)
-    inputs = {
-        "pending": pack(pending_record_layout(parameters), pending),
-        "offset": pack(offset_layout(), offset),
-    }
+    block = OutputConstructor, Build.profile("paper")
+    given = packed(block, {"pending": pending, "offset": offset})
     with pytest.raises(SimulationHang, match=r"pending 1 of 3 in, offset 1 of 1 in, .*o 1 out"):
-        runner.run(Stimulus(inputs), max_clocks=100)
+        engine("compiled", *block).run(Stimulus(given), max_clocks=100)
 
 
 def test_latency() -> None:

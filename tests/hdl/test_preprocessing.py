@@ -5,11 +5,8 @@ width.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
-from numpy.lib.stride_tricks import sliding_window_view
 
 from golden.algorithm import Derivative, Gradient
 from golden.formats import MAX_PIXEL_BITS, MIN_PIXEL_BITS
@@ -25,20 +22,16 @@ from tests.support.blocks import (
     RUN_IDS,
     RUNS,
     Array,
-    Words,
-    assert_timing,
+    check_block,
     columns,
-    completing,
-    engine,
     extremes,
     noise,
-    pack,
     raster,
-    run,
 )
 
 GRADIENTS: list[Gradient] = ["absolute", "signed"]
 DERIVATIVES: list[Derivative] = ["central", "sobel"]
+MEMBERS = ("gx", "gy", "difference")
 SIZES = [(7, 3), (16, 17), (7, 30), (24, 4), (8, 3)]
 
 
@@ -51,19 +44,13 @@ def sizes(frame: Array, gradient: Gradient, derivative: Derivative = "central") 
     return np.stack([np.abs(gx), np.abs(gy), difference], axis=-1)
 
 
-def fields(tagged: dict[str, Any]) -> dict[str, Any]:
-    """Windows of (n, 3, 5) values as fields of a column."""
-    return tagged | {
-        "data": {name: tagged["data"][:, k] for k, name in enumerate(("gx", "gy", "difference"))}
-    }
-
-
-def streams(frames: list[Array], parameters: Parameters) -> tuple[dict[str, Words], dict[str, Words]]:
-    block = Preprocessing(parameters)
+def check(
+    parameters: Parameters, frames: list[Array], name: EngineName = "compiled", stalls: Stalls = NO_STALLS
+) -> None:
     kinds = parameters.algorithm.gradient, parameters.algorithm.derivative
-    windows = [sliding_window_view(sizes(frame, *kinds), 5, axis=0) for frame in frames]
-    given = pack(block.i.payload.shape(), columns(frames, 7))
-    return {"i": given}, {"o": pack(block.o.payload.shape(), fields(raster(windows)))}
+    expected = columns([sizes(frame, *kinds) for frame in frames], 5, MEMBERS)
+    given = columns(frames, 7)
+    check_block((Preprocessing, parameters), {"i": given}, {"o": expected}, name, stalls, window=3)
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
@@ -72,11 +59,7 @@ def streams(frames: list[Array], parameters: Parameters) -> tuple[dict[str, Word
 def test_sizes(gradient: Gradient, derivative: Derivative, name: EngineName, stalls: Stalls) -> None:
     parameters = Build.profile("paper", gradient=gradient, derivative=derivative)
     shapes = SIZES if name == "compiled" else [*SIZES[:1], (9, 9)]
-    given, expected = streams(noise(shapes, 255, dtype=np.uint8), parameters)
-    capture = run(engine(name, Preprocessing, parameters), given, expected, stalls)
-    if stalls == NO_STALLS:
-        beats = completing([(height - 6, width) for height, width in shapes], 3)
-        assert_timing(capture, Preprocessing(parameters).latency, beats)
+    check(parameters, noise(shapes, 255, dtype=np.uint8), name, stalls)
 
 
 @pytest.mark.parametrize(
@@ -94,8 +77,7 @@ def test_extremes(gradient: Gradient, derivative: Derivative, pixel_bits: int) -
     parameters = Build.profile("paper", gradient=gradient, derivative=derivative, pixel_bits=pixel_bits)
     frames = extremes((12, 14), parameters.pixel_max, dtype=np.uint16)
     frames += noise([(90, 120)], parameters.pixel_max, 1, dtype=np.uint16)
-    given, expected = streams(frames, parameters)
-    run(engine("compiled", Preprocessing, parameters), given, expected)
+    check(parameters, frames)
     values = np.concatenate([sizes(frame, gradient, derivative).reshape(-1, 3) for frame in frames]).max(
         axis=0
     )
@@ -112,20 +94,13 @@ def test_extremes(gradient: Gradient, derivative: Derivative, pixel_bits: int) -
 @pytest.mark.parametrize(("gradient", "first"), [("absolute", 40), ("signed", 180)])
 def test_by_hand(gradient: Gradient, first: int, name: EngineName) -> None:
     """gx = 110, -3, -30, 255, 0 and gy = -70, -10, -3, 60, -175, from the top."""
-    parameters = Build.profile("paper", gradient=gradient)
-    block = Preprocessing(parameters)
     frame = np.array(
         [[1, 7, 2], [200, 50, 90], [1, 77, 4], [90, 60, 120], [255, 80, 0], [5, 0, 5], [3, 255, 4]]
     )
-    values = {
-        "gx": np.array([[110, 3, 30, 255, 0]]),
-        "gy": np.array([[70, 10, 3, 60, 175]]),
-        "difference": np.array([[first, 7, 27, 195, 175]]),
-    }
-    one = np.array([1])
-    expected = pack(block.o.payload.shape(), {"data": values, "eol": one, "eof": one})
-    given = pack(block.i.payload.shape(), columns([frame], 7))
-    run(engine(name, Preprocessing, parameters), {"i": given}, {"o": expected})
+    column = np.array([[110, 3, 30, 255, 0], [70, 10, 3, 60, 175], [first, 7, 27, 195, 175]])
+    expected = raster([column[None, None]], MEMBERS)
+    block = Preprocessing, Build.profile("paper", gradient=gradient)
+    check_block(block, {"i": columns([frame], 7)}, {"o": expected}, name, window=3)
 
 
 @pytest.mark.parametrize("name", ENGINES)
@@ -139,8 +114,7 @@ def test_sobel_rounds_halves_away_from_zero(name: EngineName) -> None:
         frame[1, 0] = frame[6, 3] = value
         frames.append(frame)
     parameters = Build.profile("paper", gradient="signed", derivative="sobel")
-    given, expected = streams(frames, parameters)
-    run(engine(name, Preprocessing, parameters), given, expected)
+    check(parameters, frames, name)
 
 
 def test_latency() -> None:

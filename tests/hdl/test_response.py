@@ -26,13 +26,10 @@ from tests.support.blocks import (
     RUN_IDS,
     RUNS,
     Array,
-    assert_timing,
-    engine,
+    check_block,
     extremes,
     noise,
-    pack,
     raster,
-    run,
 )
 
 ABSOLUTE = Build.profile("paper")
@@ -46,16 +43,9 @@ def check(
     parameters: Parameters, tensors: list[Array], name: EngineName = "compiled", stalls: Stalls = NO_STALLS
 ) -> Capture:
     """``tensors``: frames (height, width, 3) of A, B and C."""
-    block = Response(parameters)
-    tagged = raster(tensors)
-    tagged["data"] = {name: tagged["data"][:, k] for k, name in enumerate("abc")}
     responses = [response(*np.moveaxis(frame, -1, 0), parameters) for frame in tensors]
-    expected = pack(block.o.payload.shape(), raster(responses))
-    runner = engine(name, Response, parameters)
-    capture = run(runner, {"i": pack(block.i.payload.shape(), tagged)}, {"o": expected}, stalls)
-    if stalls == NO_STALLS:
-        assert_timing(capture, block.latency)
-    return capture
+    given, expected = {"i": raster(tensors, "abc")}, {"o": raster(responses)}
+    return check_block((Response, parameters), given, expected, name, stalls)
 
 
 def smoothed(images: list[Array], gradient: Gradient) -> list[Array]:

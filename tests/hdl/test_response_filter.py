@@ -20,14 +20,10 @@ from tests.support.blocks import (
     RUN_IDS,
     RUNS,
     Array,
-    assert_timing,
+    check_block,
     columns,
-    completing,
-    engine,
     extremes,
     noise,
-    pack_samples,
-    run,
     unpack,
 )
 
@@ -42,22 +38,18 @@ def check(
     pixel_bits: int = 8,
     radius: int = 1,
 ) -> Capture:
-    parameters = SIGNED.changed(pixel_bits=pixel_bits, suppression=radius)
-    block = ResponseFilter(parameters)
     edge = 3 - radius
     inner = [response_filter(frame) for frame in frames]
     inner = [frame[edge : len(frame) - edge, edge : frame.shape[1] - edge] for frame in inner]
-    capture = run(
-        engine(name, ResponseFilter, parameters),
-        {"i": pack_samples(block.i.payload.shape(), columns(frames, 9))},
-        {"o": pack_samples(block.o.payload.shape(), columns(inner, 2 * radius + 1))},
+    return check_block(
+        (ResponseFilter, SIGNED.changed(pixel_bits=pixel_bits, suppression=radius)),
+        {"i": columns(frames, 9)},
+        {"o": columns(inner, 2 * radius + 1)},
+        name,
         stalls,
-    )
-    if stalls == NO_STALLS:
-        sizes = [(len(frame) - 8, frame.shape[1]) for frame in frames]
         # columns past the one that comes out
-        assert_timing(capture, block.latency, completing(sizes, 9 - 2 * radius))
-    return capture
+        window=9 - 2 * radius,
+    )
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)

@@ -19,7 +19,7 @@ from hdl.parts.stream import Pipeline
 from hdl.square_root import SquareRoot
 from sim.engine import EngineName
 from sim.stimulus import Stalls
-from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, Words, assert_timing, engine, pack, run
+from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, check_block
 
 SHAPES = [(1, 1), (5, 2), (8, 3), (9, 5), (21, 4), *((17, k) for k in range(1, 6))]
 WIDEST = 21
@@ -101,22 +101,26 @@ def test_every_shape(radicand: NDArray[np.int64]) -> None:
         low = radicand & ((1 << (2 * bits)) - 1)
         expected[f"r{bits}_{per_stage}"] = floor_roots(low)
         assert np.array_equal(li_chu(low, bits), expected[f"r{bits}_{per_stage}"])
-    wanted = pack(Roots().roots, expected)
-    capture = run(engine("compiled", Roots), {"i": radicand.astype(np.uint64)}, {"o": wanted})
-    assert_timing(capture, Roots.latency)
+    check_block((Roots,), {"i": radicand}, {"o": expected})
 
 
-def streams(radicand: NDArray[np.int64]) -> tuple[dict[str, Words], dict[str, Words]]:
-    return {"i": radicand.astype(np.uint64)}, {"o": floor_roots(radicand).astype(np.uint64)}
+def check(
+    radicand: NDArray[np.int64],
+    root_bits: int,
+    bits_per_stage: int,
+    latency: int,
+    name: EngineName,
+    stalls: Stalls = NO_STALLS,
+) -> None:
+    given, expected = {"i": radicand}, {"o": floor_roots(radicand)}
+    check_block((Root, root_bits, bits_per_stage), given, expected, name, stalls, latency=latency)
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 @pytest.mark.parametrize("bits_per_stage", [1, 3])
 def test_stalls(bits_per_stage: int, name: EngineName, stalls: Stalls) -> None:
     radicand = some_radicands(17, 4000 if name == "compiled" else 200)
-    capture = run(engine(name, Root, 17, bits_per_stage), *streams(radicand), stalls)
-    if stalls == NO_STALLS:
-        assert_timing(capture, {1: 17, 3: 6}[bits_per_stage])
+    check(radicand, 17, bits_per_stage, {1: 17, 3: 6}[bits_per_stage], name, stalls)
 
 
 @pytest.mark.parametrize(("root_bits", "bits_per_stage"), SHAPES)
@@ -124,8 +128,7 @@ def test_latency(root_bits: int, bits_per_stage: int) -> None:
     """A stage with the last few bits is one of its own."""
     latency = SquareRoot(root_bits, bits_per_stage).latency
     assert latency == (root_bits + bits_per_stage - 1) // bits_per_stage
-    given, expected = streams(some_radicands(root_bits, 40))
-    assert_timing(run(engine("amaranth", Root, root_bits, bits_per_stage), given, expected), latency)
+    check(some_radicands(root_bits, 40), root_bits, bits_per_stage, latency, "amaranth")
 
 
 def test_more_bits_per_stage_do_not_multiply_the_logic() -> None:

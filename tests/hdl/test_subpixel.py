@@ -18,19 +18,7 @@ from hdl.fits import derivatives_layout, equations_block
 from hdl.subpixel import Subpixel, offset_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.support.blocks import (
-    ENGINES,
-    NO_STALLS,
-    RUN_IDS,
-    RUNS,
-    Array,
-    assert_timing,
-    engine,
-    latency,
-    pack,
-    run,
-    unpack,
-)
+from tests.support.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, Array, check_block, latency, unpack
 
 SURFACES: list[Fit] = ["nine", "six"]
 Y, X = np.mgrid[-1:2, -1:2]
@@ -60,7 +48,6 @@ def check_derivatives(
 ) -> Capture:
     """``values`` as the golden model has them."""
     parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
-    block = Subpixel(parameters)
     formats = equations_block(parameters).formats(parameters)
     offset = peak(values, derivative_bits(parameters), GOLDEN_FITS[fit].mantissa_bits, GOLDEN_FITS[fit].limit)
     fields = {
@@ -73,16 +60,8 @@ def check_derivatives(
         field: value >> form.zeros
         for (field, value), form in zip(values._asdict().items(), formats, strict=True)
     }
-    capture = run(
-        engine(name, Subpixel, parameters),
-        {"i": pack(derivatives_layout(parameters), given)},
-        {"o": pack(offset_layout(fit), fields)},
-        stalls,
-        clocks=block.interval,
-    )
-    if stalls == NO_STALLS:
-        assert_timing(capture, block.latency, clocks=block.interval)
-    return capture
+    interval = Subpixel(parameters).interval
+    return check_block((Subpixel, parameters), {"i": given}, {"o": fields}, name, stalls, clocks=interval)
 
 
 def peaks(count: int, largest: int, seed: int = 0) -> Array:

@@ -19,16 +19,13 @@ from tests.support.blocks import (
     RUN_IDS,
     RUNS,
     Array,
-    assert_timing,
+    check_block,
     columns,
-    completing,
     engine,
     extremes,
     noise,
-    pack,
-    pack_samples,
+    packed,
     raster,
-    run,
 )
 
 TIES: list[Ties] = ["strict", "first"]
@@ -45,7 +42,7 @@ def check(
     stalls: Stalls = NO_STALLS,
 ) -> Capture:
     """Frames of responses, nine rows and columns or more."""
-    block, ties, radius = Suppression(parameters), parameters.algorithm.ties, parameters.algorithm.suppression
+    ties, radius = parameters.algorithm.ties, parameters.algorithm.suppression
 
     def found(frame: Array, limit: int) -> Array:
         edge = REACH - radius
@@ -57,21 +54,15 @@ def check(
     peaks = raster([found(frame, 0) for frame in frames])
     counted = {"peak": peaks["data"]} if parameters.budget else {}
     expected["data"] = {"corner": expected["data"], "response": responses["data"], **counted}
-    capture = run(
-        engine(name, Suppression, parameters),
-        {
-            "i": pack_samples(block.i.payload.shape(), columns(frames, WINDOW_SIZE)),
-            "t1": np.array(t1, np.uint64),
-        },
-        {"o": pack(block.o.payload.shape(), expected)},
+    return check_block(
+        (Suppression, parameters),
+        {"i": columns(frames, WINDOW_SIZE), "t1": np.array(t1)},
+        {"o": expected},
+        name,
         stalls,
+        window=WINDOW_SIZE,
+        held={"t1": "i"},
     )
-    if stalls == NO_STALLS:
-        sizes = [(len(frame) - WINDOW_SIZE + 1, frame.shape[1]) for frame in frames]
-        assert_timing(capture, block.latency, completing(sizes, WINDOW_SIZE))
-        ends = np.cumsum([height * width for height, width in sizes]) - 1
-        assert np.array_equal(capture.input_clocks["t1"], capture.input_clocks["i"][ends])
-    return capture
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
@@ -122,9 +113,8 @@ def test_each_neighbour(ties: Ties, radius: int) -> None:
 
 def test_a_frame_waits_for_its_threshold() -> None:
     """Without T1 no column is taken."""
-    parameters = Build.profile("paper", suppression=2)
-    block = Suppression(parameters)
-    given = pack_samples(block.i.payload.shape(), columns(noise([(10, 10), (9, 11)], FULL), WINDOW_SIZE))
-    stimulus = Stimulus({"i": given, "t1": np.array([7], np.uint64)})
+    block = Suppression, Build.profile("paper", suppression=2)
+    frames = noise([(10, 10), (9, 11)], FULL)
+    given = packed(block, {"i": columns(frames, WINDOW_SIZE), "t1": np.array([7])})
     with pytest.raises(SimulationHang, match=r"i 20 of 31 in, t1 1 of 1 in, .*o 4 out"):
-        engine("compiled", Suppression, parameters).run(stimulus, max_clocks=200)
+        engine("compiled", *block).run(Stimulus(given), max_clocks=200)

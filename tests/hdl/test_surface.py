@@ -23,15 +23,10 @@ from tests.support.blocks import (
     RUN_IDS,
     RUNS,
     Array,
-    assert_timing,
+    check_block,
     columns,
-    completing,
-    engine,
     extremes,
     noise,
-    pack,
-    pack_samples,
-    run,
     unpack,
 )
 
@@ -48,8 +43,6 @@ def check(
     stalls: Stalls = NO_STALLS,
     pixel_bits: int = 8,
 ) -> Capture:
-    parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
-    block = SurfaceFit(parameters)
     wide = [frame for frame in frames if frame.shape[1] >= 3]
     patches = np.concatenate([sliding_window_view(frame, (3, 3)).reshape(-1, 3, 3) for frame in wide])
     values = GOLDEN_FITS[fit].derivatives(patches, None)._asdict()
@@ -58,16 +51,8 @@ def check(
         # what the hardware leaves out is always zero
         assert not (value & ((1 << form.zeros) - 1)).any()
         expected[field] = value >> form.zeros
-    capture = run(
-        engine(name, SurfaceFit, parameters),
-        {"i": pack_samples(block.i.payload.shape(), columns(frames, 3))},
-        {"o": pack(derivatives_layout(parameters), expected)},
-        stalls,
-    )
-    if stalls == NO_STALLS:
-        sizes = [(len(frame) - 2, frame.shape[1]) for frame in frames]
-        assert_timing(capture, block.latency, completing(sizes, 3))
-    return capture
+    block = SurfaceFit, Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
+    return check_block(block, {"i": columns(frames, 3)}, {"o": expected}, name, stalls, window=3)
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)

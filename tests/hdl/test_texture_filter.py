@@ -11,7 +11,6 @@ from golden.algorithm import Patches
 from golden.texture_filter import texture_filter, texturization
 from hdl.build import Build
 from hdl.texture_filter import TextureFilter
-from hdl.thresholds import thresholds_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
 from tests.support.blocks import (
@@ -20,16 +19,11 @@ from tests.support.blocks import (
     RUN_IDS,
     RUNS,
     Array,
-    assert_timing,
+    check_block,
     columns,
-    completing,
-    engine,
     extremes,
     noise,
-    pack,
-    pack_samples,
     raster,
-    run,
 )
 
 PATCHES: list[Patches] = ["regions", "pixels"]
@@ -50,30 +44,22 @@ def check(
     pixel_bits: int = 8,
 ) -> Capture:
     """Every other frame also reports what is rejected."""
-    parameters = Build.profile("paper", patches=patches, pixel_bits=pixel_bits)
-    block = TextureFilter(parameters)
     reported = [k % 2 for k in range(len(frames))]
     results = []
     for frame, limit, report in zip(frames, t2, reported, strict=True):
         textured = ~texture_filter(windows(frame), limit, patches)
         results.append(np.stack([textured, ~textured | bool(report)], axis=-1))
-    tagged = raster(results)
-    tagged["data"] = {"textured": tagged["data"][:, 0], "keep": tagged["data"][:, 1]}
     # T1 is not for this block
     limits = {"t1": np.full(len(t2), FULL), "t2": np.array(t2), "report_rejected": np.array(reported)}
-    capture = run(
-        engine(name, TextureFilter, parameters),
-        {
-            "i": pack_samples(block.i.payload.shape(), columns(frames, 9)),
-            "thresholds": pack(thresholds_layout(parameters), limits),
-        },
-        {"o": pack(block.o.payload.shape(), tagged)},
+    return check_block(
+        (TextureFilter, Build.profile("paper", patches=patches, pixel_bits=pixel_bits)),
+        {"i": columns(frames, 9), "thresholds": limits},
+        {"o": raster(results, ("textured", "keep"))},
+        name,
         stalls,
+        window=9,
+        held={"thresholds": "o"},
     )
-    if stalls == NO_STALLS:
-        sizes = [(len(frame) - 8, frame.shape[1]) for frame in frames]
-        assert_timing(capture, TextureFilter.latency, completing(sizes, 9))
-    return capture
 
 
 def between(frame: Array, patches: Patches) -> int:
@@ -147,13 +133,6 @@ def test_each_result_has_its_own_frames_threshold(patches: Patches, name: Engine
     parameters = Build.profile("paper", patches=patches)
     beyond = 16 * parameters.pixels_per_region * parameters.response_max - 1
     check(patches, noise([(9, 9)] * 12, FULL, 5), [0, beyond, beyond, 0] * 3, name, stalls)
-
-
-def test_thresholds_are_kept_until_the_last_result_is_taken() -> None:
-    frames = noise([(9, 12), (10, 9)], FULL, 4)
-    capture = check("regions", frames, [between(frame, "regions") for frame in frames])
-    last_results = np.cumsum([4, 2]) - 1
-    assert np.array_equal(capture.input_clocks["thresholds"], capture.output_clocks["o"][last_results])
 
 
 def test_latency() -> None:

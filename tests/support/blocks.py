@@ -2,13 +2,14 @@
 """What the tests of the hardware blocks share: packing, rasters, running a block, and what every
 block keeps.
 
-A block's stimulus and its expected outputs are dictionaries from stream name to beats, as
-:class:`sim.stimulus.Stimulus` takes them.
+Most tests of a block are one call of :func:`check_block`. Below it, a block's stimulus and its
+expected outputs are dictionaries from stream name to beats, as :class:`sim.stimulus.Stimulus` takes
+them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -25,6 +26,8 @@ from sim.stimulus import Capture, Stalls, Stimulus
 Array = NDArray[Any]
 Words = NDArray[np.uint64]
 Size = tuple[int, int]
+Block = tuple[Any, ...]
+"""The class of a component, and the arguments that it is made with."""
 
 ENGINES: tuple[EngineName, ...] = ("compiled", "amaranth")
 NO_STALLS = Stalls()
@@ -150,15 +153,18 @@ def tags(sizes: list[Size]) -> dict[str, Array]:
     return {"eol": np.concatenate(eol), "eof": np.concatenate(eof)}
 
 
-def raster(frames: list[Array]) -> dict[str, Any]:
+def raster(frames: list[Array], members: Sequence[str] = ()) -> dict[str, Any]:
     """Fields of a ``Beat`` for each value of these (height, width, ...) frames, one after the
     other.
+
+    ``members``: names of what lies along the frames' third axis.
     """
-    values = [frame.reshape(-1, *frame.shape[2:]) for frame in frames]
-    return {"data": np.concatenate(values), **tags([frame.shape[:2] for frame in frames])}
+    values = np.concatenate([frame.reshape(-1, *frame.shape[2:]) for frame in frames])
+    samples = {name: values[:, k] for k, name in enumerate(members)}
+    return {"data": samples or values, **tags([frame.shape[:2] for frame in frames])}
 
 
-def columns(frames: list[Array], rows: int) -> dict[str, Any]:
+def columns(frames: list[Array], rows: int, members: Sequence[str] = ()) -> dict[str, Any]:
     """Fields of ``Columns`` as a circular buffer delivers them: height-rows+1 rows of columns."""
     windows = [
         sliding_window_view(frame, rows, axis=0)
@@ -166,7 +172,7 @@ def columns(frames: list[Array], rows: int) -> dict[str, Any]:
         else np.zeros((0, frame.shape[1], rows))
         for frame in frames
     ]
-    return raster(windows)
+    return raster(windows, members)
 
 
 def completing(sizes: list[Size], window: int) -> Array:
@@ -203,6 +209,105 @@ def extremes(size: Size, largest: int, smallest: int = 0, dtype: type = np.int64
 
 
 # -- running
+
+
+def packed(block: Block, streams: Mapping[str, Any]) -> dict[str, Words]:
+    """Beats of these streams of the block: fields as :func:`pack` takes them, or words, which stay.
+
+    Numbers in the place of samples are their responses. Where only one member of the samples is
+    given, the others are noise (see :func:`pack_samples`).
+    """
+    component = _instance(block)
+    return {name: _words(getattr(component, name).payload.shape(), beats) for name, beats in streams.items()}
+
+
+@cache
+def _instance(block: Block) -> Any:
+    make, *arguments = block
+    return make(*arguments)
+
+
+def _words(shape: Any, beats: Any) -> Words:
+    if isinstance(beats, np.ndarray) and beats.dtype == np.uint64:
+        return beats
+    if isinstance(beats, Mapping) and "data" in beats:
+        sample = shape["data"].shape
+        sample = sample.elem_shape if isinstance(sample, data.ArrayLayout) else sample
+        given = beats["data"] if isinstance(beats["data"], Mapping) else {"response": beats["data"]}
+        if isinstance(sample, data.StructLayout) and len(given) == 1:
+            ((member, numbers),) = given.items()
+            return pack_samples(shape, {**beats, "data": numbers}, member)
+    return pack(shape, beats)
+
+
+def run_block(
+    block: Block,
+    given: Mapping[str, Any],
+    expected: Mapping[str, Any],
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+    *,
+    levels: list[tuple[int, dict[str, int]]] | None = None,
+    clocks: int = 1,
+) -> Capture:
+    """:func:`run` the block in the engine of this name; beats as :func:`packed` takes them."""
+    inputs, outputs = packed(block, given), packed(block, expected)
+    return run(engine(name, *block), inputs, outputs, stalls, levels=levels, clocks=clocks)
+
+
+def check_block(
+    block: Block,
+    given: Mapping[str, Any],
+    expected: Mapping[str, Any],
+    name: EngineName = "compiled",
+    stalls: Stalls = NO_STALLS,
+    *,
+    i: str = "i",
+    o: str = "o",
+    window: int = 1,
+    latency: int | None = None,
+    clocks: int = 1,
+    levels: list[tuple[int, dict[str, int]]] | None = None,
+    held: Mapping[str, str] | None = None,
+) -> Capture:
+    """Compare every output beat of a block with what is expected, under these stalls, and the clock
+    in which it comes.
+
+    Without stalls every beat of ``o`` must come exactly so late after the beat of ``i`` that
+    completes it as the block says, and ``i`` must never wait.
+
+    Parameters
+    ----------
+    given, expected
+        Beats of every input and output stream, as :func:`packed` takes them.
+    window
+        Columns of a row that the first output beat of the row needs.
+    latency
+        Clocks from ``i`` to ``o``, where the block has no ``latency`` that says so.
+    clocks
+        How many the block needs for a beat.
+    held
+        Per input stream of one beat a frame, the stream (``i`` or ``o``) with whose last beat of
+        the frame it is taken.
+    """
+    capture = run_block(block, given, expected, name, stalls, levels=levels, clocks=clocks)
+    if stalls == NO_STALLS:
+        late = _instance(block).latency if latency is None else latency
+        beats = None if window == 1 else _completing(given[i]["eol"], window)
+        assert_timing(capture, late, beats, i=i, o=o, clocks=clocks)
+    for per_frame, stream in (held or {}).items():
+        beats_of, at = (given, capture.input_clocks) if stream == i else (expected, capture.output_clocks)
+        last = np.flatnonzero(beats_of[stream]["eof"])
+        assert np.array_equal(capture.input_clocks[per_frame], at[stream][last])
+    return capture
+
+
+def _completing(eol: Array, window: int) -> Array:
+    """Numbers of the beats that have so many of their row with them, themselves included."""
+    number = np.arange(len(eol))
+    starts = np.concatenate([[True], eol[:-1] == 1])
+    in_row = number - np.maximum.accumulate(np.where(starts, number, 0))
+    return np.flatnonzero(in_row >= window - 1)
 
 
 def run(
