@@ -6,8 +6,8 @@ All that a program needs comes from here::
     from cornerstream import Build, emit_verilog         # the core, for a synthesis tool
     from cornerstream import Build, Core, Detector       # the hardware, in an Amaranth design
 
-Names are imported when they are first used: NumPy and Amaranth take their time. ``ImportError``
-where a module of somebody else hides one of cornerstream's packages.
+Names are imported when they are first used, because NumPy and Amaranth take time to load. An import
+raises ``ImportError`` where another module hides one of cornerstream's packages.
 """
 
 from importlib import import_module

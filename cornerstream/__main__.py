@@ -1,7 +1,7 @@
 """``cornerstream`` as a process of its own: ``python -m cornerstream``.
 
-Here is what no command can do for itself: a signal that comes while modules are still being
-imported, and output that fails when the process ends.
+This module does what no command can do for itself. It handles a signal that comes while modules are
+still being imported, and output that fails when the process ends.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from cornerstream.rooms import ShadowedError, check_rooms
 def main() -> NoReturn:
     """Run the command line; the process ends with one line at most, and one of its exit codes."""
     for ending in (signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
-        # nohup wants it ignored
+        # nohup asks that the signal be ignored
         if signal.getsignal(ending) is signal.SIG_DFL:
             signal.signal(ending, _end)
     _mend_standard_streams()

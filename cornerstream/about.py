@@ -1,4 +1,4 @@
-"""What a run was made with, in the JSON of ``detect`` and ``simulate``.
+"""The inputs of a run, for the JSON of ``detect`` and ``simulate``.
 
 The keys are described in docs/reference/json.md.
 """

@@ -1,4 +1,4 @@
-"""Why there are few corners, or none, and which option changes that: one line for the user."""
+"""Advice in one line: why there are few corners or none, and which option changes that."""
 
 from __future__ import annotations
 
@@ -18,15 +18,14 @@ def advice(
     reference: int,
     t1: int,
 ) -> str | None:
-    """A line where there are no corners, or where the texture filter rejects most of them; None
-    where all is well.
+    """A line if there are no corners, or if the texture filter rejects most of them; else None.
 
     Parameters
     ----------
     profile, parameters, settings
-        What the corners were found with; rejected corners are among them.
+        The detector that found the corners.
     corners
-        Those of one frame.
+        The corners of one frame, with the rejected ones.
     largest, reference, t1
         The largest response of that frame where a corner can be; and the reference and the
         threshold T1 that it was compared with.
@@ -48,7 +47,7 @@ def advice(
     if largest > t1:
         # such as between the squares of a drawn chessboard, which lies between four pixels
         strict = parameters.algorithm.ties == "strict"
-        ties = "of two equal neighbouring responses neither is a corner"
+        ties = "neither of two equal neighbouring responses is a corner"
         remedy = _try_the_default_or("--ties first", profile)
         return f"{why}; {f'{ties}; {remedy}' if strict else 'no peak of the response is above T1'}"
     if reference == settings.floor:

@@ -40,12 +40,11 @@ CACHE = Path("build") / "comparison"
     help="Builds measured at a time; each takes about 1 GB.",
 )
 def compare(output: Path | None, page_only: bool, quick: bool, no_synthesis: bool, jobs: int) -> None:
-    """Measure area, speed and clocks per frame of every build, and set them beside the paper's
-    Tables 1 to 4.
+    """Measure area, speed and clocks per frame of every build, beside the paper's Tables 1 to 4.
 
-    Takes about half an hour, and the tools of pip install 'cornerstream[synth]'. What was measured
-    before and cannot have changed is taken from build/comparison; remove that folder to measure all
-    anew.
+    It takes about half an hour, and needs pip install 'cornerstream[synth]'. Figures that were
+    measured before and cannot have changed are taken from build/comparison; remove that folder to
+    measure everything again.
 
     \b
     Examples:

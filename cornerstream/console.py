@@ -1,4 +1,4 @@
-"""What goes to the terminal: results on stdout, everything else on stderr."""
+"""Output to the terminal: results on stdout, everything else on stderr."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ def remarks(photograph: Photograph) -> None:
 
 
 def say(line: str) -> None:
-    """A line for the user that is not a result; the command goes on where nobody can read it."""
+    """A line for the user that is not a result; the command goes on if stderr is closed."""
     with suppress(OSError):
         click.echo(printable(line), err=True)
 
 
 def advise(line: str | None) -> None:
-    """A line of advice, where there is any."""
+    """A line of advice, if there is one."""
     if line is not None:
         say(line)
 
@@ -51,13 +51,14 @@ def files_written(paths: list[Path]) -> None:
 
 
 def size(of: float) -> str:
-    """So many bytes, for people."""
+    """A number of bytes, for people."""
     return f"{of / 1e6:.0f} MB" if of >= 1e7 else f"{of / 1e6:.1f} MB"
 
 
 def show(table: Table) -> None:
-    """A table of results: in a file or pipe as wide as its text, in a narrow terminal without
-    blanks beside it.
+    """A table of results.
+
+    In a file or pipe, it is as wide as its text; in a narrow terminal, it has no blanks beside it.
     """
     wanted = out.measure(table, options=out.options.update(width=_ANY_WIDTH)).maximum
     if not out.file.isatty():
@@ -79,8 +80,9 @@ def activity(text: str) -> Iterator[None]:
 
 @contextmanager
 def progress(text: str, total: int) -> Iterator[Callable[[int], None]]:
-    """A bar on stderr, moved by calling the result with what is done so far; nothing if it is no
-    terminal.
+    """A bar on stderr, moved by calling the result with the steps done so far.
+
+    It shows nothing if stderr is not a terminal.
     """
     console = Console(stderr=True)
     if not console.is_terminal:
@@ -95,7 +97,7 @@ def progress(text: str, total: int) -> Iterator[Callable[[int], None]]:
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=console, transient=True) as bar:
-        # what comes before the first step, such as compiling, is not to spoil the estimate
+        # the time before the first step, such as compiling, must not spoil the estimate
         task = bar.add_task(text, total=total, start=False)
 
         def advance(done: int) -> None:

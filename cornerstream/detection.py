@@ -54,8 +54,8 @@ from golden.frame import Frame
     metavar="PX",
     default=0,
     show_default=True,
-    help="Leave out each accepted corner that is nearer than this to a stronger one that stays. After all else, "
-    "and only here: the hardware keeps no more than peaks apart, by --suppression.",
+    help="Leave out each accepted corner that is nearer than this to a stronger one that stays. This is the "
+    "last step, and only in this command: the hardware only keeps peaks apart, by --suppression.",
 )
 @model_options
 @normalize_option
@@ -131,9 +131,7 @@ def detect(
 
 
 class _Asked:
-    """What is asked of one profile: its detector and thresholds; :class:`BadInput` where an option
-    changes nothing.
-    """
+    """Detector and thresholds of one profile; :class:`BadInput` if an option changes nothing."""
 
     def __init__(self, profile: str, parameters: Parameters, options: dict[str, Any]) -> None:
         self.profile = profile

@@ -22,7 +22,7 @@ ENGINES = (*get_args(EngineName), GATES)
 
 
 def check_tools(engine: str) -> None:
-    """:class:`BadInput` if a tool is missing: asked before anything is made or written."""
+    """:class:`BadInput` if a tool is missing; called before anything is made or written."""
     with running_tools():
         if engine in ("verilog", GATES):
             verilator_root()
@@ -33,7 +33,7 @@ def check_tools(engine: str) -> None:
 
 
 def engine_of(name: str, parameters: Build) -> Engine:
-    """The hardware, ready to run; raises what :func:`running_tools` makes of a tool's errors."""
+    """The hardware, ready to run; a tool's errors become those of :func:`running_tools`."""
     with running_tools(), TemporaryDirectory(prefix="cornerstream-") as folder:
         if name == GATES:
             return gate_level_engine(parameters, notify=console.say)

@@ -16,7 +16,7 @@ def printable(text: str) -> str:
 
 
 class Ended(click.ClickException):
-    """What ends a command: one line on stderr, if anybody listens there, and an exit code."""
+    """The end of a command: one line on stderr, if that is open, and an exit code."""
 
     def show(self, file: IO[Any] | None = None) -> None:
         with suppress(OSError):
@@ -24,9 +24,7 @@ class Ended(click.ClickException):
 
 
 class BadInput(Ended):
-    """Something the user gave cannot be used; the message names it and what is allowed. Exit code
-    2.
-    """
+    """The user's input cannot be used; the message says what is allowed. Exit code 2."""
 
     exit_code = 2
 
@@ -70,7 +68,7 @@ def reason(error: OSError) -> str:
 
 @contextmanager
 def _in_one_line() -> Iterator[None]:
-    """Turn whatever ends a command into a line and an exit code."""
+    """Turn any exception that ends a command into a line and an exit code."""
     try:
         yield
     except click.UsageError as error:
@@ -83,13 +81,14 @@ def _in_one_line() -> Iterator[None]:
         # the reader has seen enough; click ends silently
         raise
     except OSError as error:
-        # stdout has no name: what it leads to may be full
+        # stdout has no name: the disk behind it may be full
         raise Failed(f"{error.filename or 'the output'}: {reason(error)}") from error
 
 
 class OneLineGroup(click.Group):
-    """A group of commands that end in one line at most, whatever ends them; without arguments, it
-    shows its help.
+    """A group of commands, in which every error ends in one line.
+
+    Without arguments, it shows its help.
     """
 
     def make_context(
@@ -101,6 +100,6 @@ class OneLineGroup(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         with _in_one_line():
             result = super().invoke(ctx)
-            # while what goes wrong can still be told
+            # here an error can still be reported
             sys.stdout.flush()
             return result

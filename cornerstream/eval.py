@@ -156,7 +156,7 @@ def evaluate(
 
 
 def _sections(*, quick: bool) -> tuple[str, ...]:
-    """All sections, or with ``quick`` those that have a quick form; each other one gets a line."""
+    """All sections, or with ``quick`` those with a quick form; a line names each other one."""
     if not quick:
         return tuple(SECTIONS)
     for name in _LEFT_OUT:

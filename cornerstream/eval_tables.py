@@ -8,7 +8,7 @@ from evaluation.presentation.table import Strong, Table
 
 
 def terminal(table: Table) -> rich.Table:
-    """The table with its title above and its notes below; a star marks what stands out."""
+    """The table with its title above and its notes below; a star marks cells that stand out."""
     cells = [*table.headings, *(cell for row in table.rows for cell in row)]
     star = "* The profile's own, or the default." if any(isinstance(cell, Strong) for cell in cells) else ""
     shown = rich.Table(title=table.title, caption=" ".join(filter(None, (table.notes, star))) or None)

@@ -1,6 +1,4 @@
-"""Output files: tables of corners, the picture, folders of a command's own; written whole, or not
-at all.
-"""
+"""Output files: tables of corners, the picture, whole folders; each is written whole or not."""
 
 from __future__ import annotations
 
@@ -37,12 +35,12 @@ def corner_objects(corners: Corners) -> list[dict[str, Any]]:
 
 
 def profiles_json(figures: list[dict[str, Any]]) -> str:
-    """One JSON object: the figures of one profile, or all in a list where there are several."""
+    """One JSON object: the figures of one profile, or a list of them for several profiles."""
     return json.dumps(figures[0] if len(figures) == 1 else {"profiles": figures})
 
 
 def prepare_folder(folder: Path) -> None:
-    """Make an output folder and see that it can be written, before long work begins."""
+    """Make an output folder and check that it can be written, before long work begins."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with NamedTemporaryFile(dir=folder, prefix=".writable-"):
@@ -64,7 +62,7 @@ def write_results(folder: Path, pixels: NDArray[np.uint8], panels: Sequence[Pane
 
 
 def prepare_file(path: Path) -> None:
-    """See that a file can be written, before long work begins; a missing folder is made."""
+    """Check that a file can be written, before long work begins; a missing folder is made."""
     _refuse_folder(path)
     if not _is_written_through(path):
         prepare_folder(_target(path).parent)
@@ -78,9 +76,7 @@ def _refuse_folder(path: Path) -> None:
 
 
 def check_distinct(*paths: Path | None) -> None:
-    """:class:`BadInput` if two of these are one and the same file, whatever they are called; None
-    stands for no file.
-    """
+    """:class:`BadInput` if two of these paths lead to the same file; None stands for no file."""
     seen: dict[str, Path] = {}
     for path in filter(None, paths):
         same = seen.setdefault(os.path.realpath(path), path)
@@ -89,7 +85,7 @@ def check_distinct(*paths: Path | None) -> None:
 
 
 def result_paths(folder: Path, profiles: Sequence[str]) -> list[Path]:
-    """Where :func:`write_results` writes: of several profiles, each table has its own name."""
+    """Paths that :func:`write_results` writes; with several profiles, each table has a name."""
     names = ["corners.csv"] if len(profiles) == 1 else [f"corners-{profile}.csv" for profile in profiles]
     return [folder / name for name in (*names, PICTURE_NAME)]
 
@@ -97,8 +93,8 @@ def result_paths(folder: Path, profiles: Sequence[str]) -> list[Path]:
 def write_all(contents: Mapping[Path, bytes]) -> None:
     """Write files under temporary names, renamed when all are complete: none is ever half written.
 
-    A link stays, and what it leads to is replaced. What is not a regular file, such as a pipe or a
-    device, is written to when all else could be.
+    A link stays, and the file that it points to is replaced. Pipes, devices and other special files
+    are written last, when all others could be written.
     """
     temporary: dict[Path, Path] = {}
     for path in contents:
@@ -110,7 +106,7 @@ def write_all(contents: Mapping[Path, bytes]) -> None:
             with NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}-", delete=False) as file:
                 temporary[target] = Path(file.name)
                 file.write(contents[path])
-            # temporary files are private; these are for everybody whom the umask allows
+            # temporary files are private; these get the permissions that the umask allows
             temporary[target].chmod(0o666 & ~_umask())
         for path in through:
             _write_through(path, contents[path])
@@ -131,9 +127,7 @@ def _target(path: Path) -> Path:
 
 
 def _is_written_through(path: Path) -> bool:
-    """Whether there is something that must stay: a pipe, a device, or what stdout or stderr lead
-    to.
-    """
+    """Whether the file must stay: a pipe, a device, or the file behind stdout or stderr."""
     try:
         status = path.stat()
     except OSError:
@@ -142,7 +136,7 @@ def _is_written_through(path: Path) -> bool:
 
 
 def _standard_stream(status: os.stat_result) -> int | None:
-    # by what they are, for /dev/stdout is a link to a link
+    # compared by device and inode, because /dev/stdout is a link to a link
     for number in (1, 2):
         with suppress(OSError):
             if os.path.samestat(status, os.fstat(number)):
@@ -152,7 +146,7 @@ def _standard_stream(status: os.stat_result) -> int | None:
 
 def _write_through(path: Path, content: bytes) -> None:
     number = _standard_stream(path.stat())
-    # opened anew, a file that stdout leads to would lose what is there already
+    # if it were opened again, a file behind stdout would lose its contents
     with open(path if number is None else os.dup(number), "wb") as file:
         file.write(content)
 
@@ -162,8 +156,9 @@ def _cannot_write(path: Path, error: OSError) -> BadInput:
 
 
 def read_figures(path: Path, make: Callable[[dict[str, Any]], Made]) -> Made:
-    """What is made of figures that were measured before; :class:`BadInput` if there are none, or
-    others.
+    """The result of ``make`` for figures that were measured before.
+
+    :class:`BadInput` if there are none, or not those that ``make`` needs.
     """
     allowed = "allowed: what was measured before"
     try:
@@ -179,17 +174,18 @@ def read_figures(path: Path, make: Callable[[dict[str, Any]], Made]) -> Made:
 
 
 def earlier_files(folder: Path, manifest: str, what: str, *, force: bool) -> set[str]:
-    """Files of an earlier run into this folder, known by its manifest; :class:`BadInput` if it is
-    somebody else's.
+    """Files of an earlier run in this folder, which its manifest lists.
+
+    :class:`BadInput` if the folder has other files, and no manifest.
 
     Parameters
     ----------
     folder, manifest
-        Where, and the name of the JSON file there whose ``files`` are those that were written.
+        The folder, and the name of the JSON file in it whose ``files`` are those that were written.
     what
-        What such a run makes, for the message.
+        Name of what such a run makes, for the message.
     force
-        Take somebody else's folder, too.
+        Take a folder with other files, too.
     """
     if folder.exists() and not folder.is_dir():
         raise BadInput(f"{folder} is not a folder; allowed: a folder that can be written")
@@ -202,7 +198,7 @@ def earlier_files(folder: Path, manifest: str, what: str, *, force: bool) -> set
         if force:
             return set()
         raise BadInput(
-            f"{folder} holds files that are no earlier {what}; allowed: an empty or a new folder, or --force"
+            f"{folder} holds files that are not an earlier {what}; allowed: an empty or a new folder, or --force"
         ) from error
 
 
@@ -212,9 +208,7 @@ def _is_inside(name: str) -> bool:
 
 
 def write_folder(folder: Path, files: Mapping[str, str], old: set[str]) -> None:
-    """Write all files, by path relative to the folder, or none; then remove what belonged to the
-    old ones only.
-    """
+    """Write all files, by path relative to the folder, or none; then remove other old ones."""
     contents = {name: text.encode() for name, text in files.items()}
     if folder.exists():
         _write_into(folder, contents)

@@ -1,4 +1,4 @@
-"""Options in groups: ``--help`` first lists those that everybody uses."""
+"""Options in groups: ``--help`` lists those that everybody uses first."""
 
 from __future__ import annotations
 

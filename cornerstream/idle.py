@@ -11,9 +11,7 @@ from cornerstream.errors import BadInput
 
 
 class Idle(NamedTuple):
-    """One option: by the name of its parameter; that it changes nothing as things are; what it
-    takes to do so.
-    """
+    """One option: the name of its parameter, whether it changes nothing, and what it needs."""
 
     parameter: str
     changes_nothing: bool
@@ -21,11 +19,10 @@ class Idle(NamedTuple):
 
 
 def refuse_idle(*rules: Idle) -> None:
-    """:class:`BadInput` for the first option that was typed, differs from its default, and changes
-    nothing.
+    """:class:`BadInput` for the first option that was typed and changes nothing.
 
-    Options that the command at hand does not have are passed over, so that commands can share
-    rules.
+    A value that equals the default is allowed. Options that the current command does not have are
+    passed over, so that commands can share rules.
     """
     context = click.get_current_context()
     options = {each.name: each for each in context.command.params if isinstance(each, click.Option)}

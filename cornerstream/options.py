@@ -1,4 +1,4 @@
-"""Options that several commands share, and the objects that are made of them."""
+"""Options that several commands share, and the objects that are made from them."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ _SCALED = ("constant", "floor")
 class _GivenPath(click.Path):
     """A path that was typed.
 
-    An empty one, such as a shell variable that is not set leaves, is none; neither is ``-``, which
-    others take for stdin or stdout, or there would be a file of that name.
+    An empty path is refused, because a shell variable that is not set gives one. ``-`` is refused
+    as well: other programs take it for stdin or stdout, and here it would become a file.
     """
 
     def __init__(self) -> None:
@@ -69,9 +69,9 @@ def _from_field(group: str, each: Option, **attributes: Any) -> Callable[[Comman
 def options_of_fields(
     group: str, owner: type, names: Iterable[str], *, by_default: bool = True
 ) -> Callable[[Command], Command]:
-    """Options of these fields of a dataclass, but for those that leave no choice.
+    """Options of these fields of a dataclass, except those that leave no choice.
 
-    ``by_default``: they have the field's default; else the profile decides.
+    ``by_default``: they have the field's default; otherwise the profile decides.
     """
     found = options(owner)
     chosen = [found[name] for name in names if len(found[name].choices) != 1]
@@ -97,8 +97,7 @@ def _setting(name: str) -> Callable[[Command], Command]:
 
 _PROFILE = {
     "type": click.Choice(list(PROFILES)),
-    "help": "The algorithm: paper, as the paper prints it, misprints aside; or robust, as measurements say is "
-    "better.",
+    "help": "The algorithm: paper is the paper's, without its misprints; robust is better in measurements.",
 }
 profile_option = option(MAIN, "--profile", default=DEFAULT_PROFILE, show_default=True, **_PROFILE)
 profiles_option = option(
@@ -169,8 +168,8 @@ def device_option(*tools: Tool) -> Callable[[Command], Command]:
         show_default=True,
         metavar="NAME",
         callback=found,
-        help="Device: its name or part number, such as ep4ce22 or EP4CE115F29C7; a name that does not exist "
-        "lists all.",
+        help="Device: its name or part number, such as ep4ce22 or EP4CE115F29C7; a wrong name "
+        "lists all names.",
     )
 
 
@@ -202,8 +201,9 @@ def output_option(default: str | None, text: str) -> Callable[[Command], Command
 
 
 def parameters_from(profile: str, options: dict[str, Any]) -> Parameters:
-    """The detector that the command line describes, for the golden model; :class:`BadInput` if
-    there is none.
+    """The detector that the command line describes, for the golden model.
+
+    :class:`BadInput` if it is not possible.
     """
     with bad_input():
         parameters = Parameters.profile(profile, **_changes(options))
@@ -212,8 +212,9 @@ def parameters_from(profile: str, options: dict[str, Any]) -> Parameters:
 
 
 def build_from(profile: str, options: dict[str, Any]) -> Build:
-    """The hardware that the command line describes; :class:`BadInput` if there is none, or none
-    with such edges.
+    """The hardware that the command line describes.
+
+    :class:`BadInput` if it is not possible, or cannot have such edges.
     """
     changes = _changes(options)
     if changes.get("fit") == "printed":
@@ -233,7 +234,7 @@ def build_from(profile: str, options: dict[str, Any]) -> Build:
 
 
 def _changes(options: dict[str, Any]) -> dict[str, Any]:
-    """What the options change of the profile."""
+    """The fields of the profile that the options change."""
     # a switch that is not set leaves what the profile has
     given = {field: options.get(field) for field in _DETECTOR}
     changes = {field: value for field, value in given.items() if value is not None and value is not False}
@@ -249,12 +250,10 @@ def _refuse_idle_patches(profile: str, parameters: Parameters) -> None:
 
 
 def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
-    """The thresholds that the command line asks for; corners that the texture filter rejects are
-    reported.
-    """
+    """The thresholds that the command line asks for; rejected corners are reported, too."""
     asked = {field: options[field] for field in _THRESHOLDS if options[field] is not None}
     with bad_input():
-        # before what no detector at all could have
+        # checked before values that no detector could have
         for field in {"constant", "floor"} & set(asked):
             check_integer(field, asked[field], 1, parameters.response_max)
         settings = Settings.default(parameters, **asked, report_rejected=True)

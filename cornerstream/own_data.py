@@ -1,6 +1,4 @@
-"""What the user gives ``cornerstream eval`` to measure on: folders of photographs, pairs and
-boards, and videos.
-"""
+"""The user's data for ``cornerstream eval``: folders of photographs, pairs and boards; videos."""
 
 from __future__ import annotations
 
@@ -32,9 +30,7 @@ from golden.formats import MAX_SIDE
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp")
 LONGEST_PHOTOGRAPH = 1280
-"""Photographs of scenes and boards are shrunk to this: from there on they are no sharper, only
-larger.
-"""
+"""Photographs of scenes and boards are shrunk to this: larger ones have no more detail."""
 _HOMOGRAPHY = re.compile(r"H_?(\d+)(?:_to_|_|to)(\d+)p?(?:_\w+)?(?:\.txt)?")
 _ANY_SIZE = Parameters.profile("paper", max_width=MAX_SIDE, max_height=MAX_SIDE)
 

@@ -44,7 +44,7 @@ from flow.package import MANIFEST, PackageInterface, package_files
 def package(
     output: Path, profile: str, interface: PackageInterface, name: str, force: bool, **options: Any
 ) -> None:
-    """Write the core with all that other designs, tools and programs need of it.
+    """Write the core with everything that other designs, tools and programs need.
 
     Verilog and an example around it; descriptions for FuseSoC and Platform Designer; the registers
     as a page, as CMSIS-SVD, as a C header with an example, and as a Python driver. An earlier

@@ -1,7 +1,7 @@
 """The photograph with its corners drawn: one panel for each profile, side by side, and a legend.
 
-Marks are at subpixel positions and antialiased. The stronger a corner, the larger its mark; where
-corners are dense, all marks are smaller.
+Markers are at subpixel positions and antialiased. The stronger a corner is, the larger is its
+marker; where corners are dense, all markers are smaller.
 """
 
 from __future__ import annotations
@@ -23,15 +23,13 @@ ACCEPTED: Colour = (0, 214, 143)
 CLAMPED: Colour = (86, 180, 233)
 NOT_MAXIMUM: Colour = (240, 228, 66)
 REJECTED: Colour = (255, 140, 0)
-"""Colours after Okabe and Ito: told apart with every kind of colour vision; the marks differ in
-shape as well.
-"""
+"""Colours after Okabe and Ito, distinct for every kind of colour vision; shapes differ as well."""
 _HALO: Colour = (0, 0, 0)
 _HALO_OPACITY = 0.6
 _GROUND: Colour = (24, 24, 24)
 _TEXT: Colour = (235, 235, 235)
 _SHADE = 0.55
-"""How bright the border is drawn in which no corner can be."""
+"""Brightness of the border, in which no corner can be."""
 
 _COMFORTABLE_SIDE = 1000
 _LARGEST_SCALE = 24
@@ -41,12 +39,12 @@ _SMALLEST_RADIUS, _LARGEST_RADIUS = 2.5, 9.0
 _LEGEND_RADIUS = 6.4
 _GAP = 12
 _TITLE, _LINE = 24, 17
-"""Sizes of type, in pixels, where a panel has the comfortable side; wider ones have larger type."""
+"""Sizes of type, in pixels, for a panel of the comfortable side; wider ones have larger type."""
 
 
 @dataclass(frozen=True)
 class Panel:
-    """What one profile has found, with these settings."""
+    """Corners that one profile has found with these settings."""
 
     profile: str
     settings: Settings
@@ -58,9 +56,7 @@ class _Mark:
     text: str
     colour: Colour
     distance: Callable[[Floats, Floats, float], Floats]
-    """Distance of a point (dx, dy) from the middle of the stroke of a mark of this radius, in
-    pixels.
-    """
+    """Distance in pixels of a point (dx, dy) from the stroke's middle, for a marker's radius."""
 
 
 def _to_ring(dx: Floats, dy: Floats, radius: float) -> Floats:
@@ -90,18 +86,16 @@ _MARKS = {
     Flag.NOT_MAXIMUM: _Mark("corner, whole pixel (not a maximum)", NOT_MAXIMUM, _to_diamond),
     Flag.TEXTURED: _Mark("rejected by the texture filter", REJECTED, _to_cross),
 }
-"""By flag; a rejected corner is shown as that, whatever else it is."""
+"""Markers by flag; a rejected corner is shown as rejected, with any other flags."""
 
 
 def _kinds(corners: Corners) -> NDArray[np.uint8]:
-    """For each corner the key of its mark."""
+    """For each corner the key of its marker."""
     return np.where(corners.accepted, corners.flags, np.uint8(Flag.TEXTURED)).astype(np.uint8)
 
 
 def scale_for(width: int, height: int) -> int:
-    """Whole factor that enlarges a picture until its marks are legible: 2 for 512x512, 1 for Full
-    HD.
-    """
+    """Whole factor that makes markers legible: 2 for 512x512, 1 for Full HD."""
     return min(-(-_COMFORTABLE_SIDE // max(width, height)), _LARGEST_SCALE)
 
 
@@ -127,7 +121,7 @@ def _type_size(usual: int, panel_width: int) -> int:
 
 
 def draw_corners(pixels: NDArray[np.uint8], corners: Corners) -> Image.Image:
-    """The image enlarged, with a mark at each corner, and with the border shaded."""
+    """The image enlarged, with a marker at each corner, and with the border shaded."""
     height, width = pixels.shape
     scale = scale_for(width, height)
     photo = Image.fromarray(pixels).resize((scale * width, scale * height), Image.Resampling.BICUBIC)
@@ -146,7 +140,7 @@ def draw_corners(pixels: NDArray[np.uint8], corners: Corners) -> Image.Image:
 
 
 def _radii(corners: Corners, area: int, scale: int) -> Floats:
-    """Radii of the marks in pixels of the picture: by their density and by the responses."""
+    """Radii of the markers in pixels of the picture: by their density and by the responses."""
     if not len(corners):
         return np.empty(0)
     # a pixel of the image at most, where it is enlarged so far

@@ -12,11 +12,11 @@ from flow.cyclone4.area import Area
 
 FORMATS = ("png", "svg", "pdf")
 COLOURS = ("#0072b2", "#56b4e9", "#e69f00")
-"""Okabe and Ito's, which are told apart with every kind of colour vision."""
+"""Okabe and Ito's colours, distinct for every kind of colour vision."""
 
 
 def check_plot(path: Path) -> None:
-    """:class:`BadInput` if there can be no plot: wrong name, or nothing to draw it with."""
+    """:class:`BadInput` if the file's name is wrong, or matplotlib is missing."""
     if path.suffix.lower().removeprefix(".") not in FORMATS:
         allowed = ", ".join(f".{name}" for name in FORMATS)
         raise BadInput(
@@ -27,14 +27,14 @@ def check_plot(path: Path) -> None:
 
 
 def draw_area(areas: dict[str, Area], title: str, kind: str) -> bytes:
-    """Bars of logic elements by block, largest first, each divided into what they hold.
+    """Bars of logic elements by block, largest first, each divided by contents.
 
     Parameters
     ----------
     areas
-        By name of the block.
+        Areas by name of the block.
     title
-        Above the plot.
+        Text above the plot.
     kind
         One of :data:`FORMATS`.
     """

@@ -1,4 +1,4 @@
-"""``cornerstream quartus``: a project for Quartus, and what Quartus made of it."""
+"""``cornerstream quartus``: a project for Quartus, and the report of its compilation."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from flow.quartus.summaries import QuartusReport, ReportError, read_report
 
 @click.group(cls=OneLineGroup, short_help="Quartus project, and Quartus' report.")
 def quartus() -> None:
-    """Write a project for Quartus, and show what Quartus made of it.
+    """Write a project for Quartus, and show Quartus' report on it.
 
     \b
     Examples:
@@ -63,10 +63,9 @@ def quartus() -> None:
 def export(
     output: Path, profile: str, clock: float, name: str, device: Device, force: bool, **options: Any
 ) -> None:
-    """Write the core as a Quartus project: Verilog, settings, constraints, and a script that
-    compiles it.
+    """Write the core as a Quartus project: Verilog, settings, constraints and a script.
 
-    An earlier export in the same folder is replaced; what Quartus made of it stays.
+    An earlier export in the same folder is replaced; files that Quartus made stay.
 
     \b
     Examples:

@@ -1,4 +1,4 @@
-"""The packages at the root that cornerstream is made of, and whether Python finds them."""
+"""The packages at the root that cornerstream consists of: are they those that Python finds?"""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ class ShadowedError(ImportError):
 
 
 def check_rooms() -> None:
-    """Raise :class:`ShadowedError`, which names the file found and the remedy, unless all packages
-    are those beside this one.
+    """Raise :class:`ShadowedError` unless all packages are those beside this one.
+
+    It names the file that was found, and the remedy.
     """
     for name in ROOMS:
         found = _found(name)
@@ -28,8 +29,9 @@ def check_rooms() -> None:
 
 
 def _found(name: str) -> Path | None:
-    """What ``import`` would take, or has taken: a file, or a folder that has no ``__init__.py``;
-    None: nothing.
+    """The file that ``import`` would take, or has taken; None if there is none.
+
+    It is a folder if that has no ``__init__.py``.
     """
     if name in sys.modules:
         module = sys.modules[name]

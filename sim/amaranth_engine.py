@@ -219,9 +219,7 @@ class AmaranthEngine:
 
     @property
     def driven(self) -> Value:
-        """All inputs: reset; valid and payload of each input stream; ready of each output; plain
-        inputs.
-        """
+        """All inputs: reset; valid and payload of input streams; ready of outputs; plain inputs."""
         parts: list[Any] = [self._reset]
         for port in self.ports.inputs:
             member = getattr(self._component, port.name)

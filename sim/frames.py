@@ -197,8 +197,7 @@ def _compare_words(frame: int, expected: Words, got: Words) -> list[Mismatch]:
 
 
 def compare(result: SimulationResult, expected: Sequence[NDArray[np.uint64]]) -> list[Mismatch]:
-    """All records that differ, frame by frame and position by position; empty if the simulation is
-    right.
+    """All records that differ, by frame and position; empty if the simulation is right.
 
     Parameters
     ----------
@@ -222,9 +221,7 @@ def compare(result: SimulationResult, expected: Sequence[NDArray[np.uint64]]) ->
 
 
 def summarize(mismatches: Sequence[Mismatch], limit: int = 5) -> str:
-    """One line of counts and one for each of the first ``limit`` mismatches; empty if there are
-    none.
-    """
+    """A line of counts and lines for the first ``limit`` mismatches; empty if there are none."""
     if not mismatches:
         return ""
     missing = sum(mismatch.got is None for mismatch in mismatches)

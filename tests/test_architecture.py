@@ -1,4 +1,4 @@
-"""Imports point downwards and make no circle, and no file grows too long to be read in one sitting."""
+"""The architecture: imports point downwards, without a circle; no file is too long."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def module_name(path: Path) -> str:
 
 
 def imported_modules(path: Path, modules: set[str]) -> set[str]:
-    """Modules of the project that a file imports, anywhere in it; a package stands for its own file."""
+    """Modules of the project that a file imports anywhere; a package stands for its own file."""
     names: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):

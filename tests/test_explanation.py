@@ -112,9 +112,7 @@ def test_no_photograph_is_denser_than_stated() -> None:
 
 
 def bright_square(degrees: float) -> NDArray[np.uint8]:
-    """A square of 80 pixels on darker ground, 8x8 samples to the pixel, a third of a pixel off
-    centre.
-    """
+    """A square of 80 pixels on darker ground, 8x8 samples per pixel, a third of a pixel off."""
     size, samples, centre = 200, 8, 100.3
     y, x = (np.mgrid[: size * samples, : size * samples] + 0.5) / samples - 0.5
     turn = np.deg2rad(degrees)

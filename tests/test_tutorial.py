@@ -39,7 +39,7 @@ def test_golden_model(folder: Path) -> None:
 
 
 def test_hardware(folder: Path) -> None:
-    """The shown lines say what the golden model finds; that the hardware equals it is shown elsewhere."""
+    """The shown lines are the golden model's; other tests show that the hardware equals it."""
     model = StreamModel(Build(max_width=64, max_height=48))
     image = np.asarray(Image.open("square.png"))
     for frame in range(2):

@@ -31,7 +31,7 @@ class Photograph:
     pixels
         (height, width) uint8, or uint16 for more than 8 pixel bits.
     name
-        For people: the file's path, or what the built-in photograph is called.
+        For people: the file's path, or the name of the built-in photograph.
     remarks
         One line for each conversion.
     """
@@ -83,9 +83,7 @@ class _Wanted:
 
 
 def default_photograph(parameters: Parameters, *, normalize: bool = False) -> Photograph:
-    """scikit-image's ``camera``, 512x512: a public-domain photograph that comes with the
-    installation.
-    """
+    """scikit-image's ``camera``, 512x512: an installed photograph in the public domain."""
     # importing scikit-image takes a while
     from skimage.data import camera
 
@@ -102,7 +100,7 @@ def load(path: Path, parameters: Parameters, *, normalize: bool = False, options
     Parameters
     ----------
     path
-        Of the file; what it is decides its heading, not its name.
+        Path of the file; its header decides its format, not its name.
     parameters
         The detector: largest size and width of a pixel.
     normalize
@@ -114,8 +112,7 @@ def load(path: Path, parameters: Parameters, *, normalize: bool = False, options
     data = _contents(path)
     try:
         with warnings.catch_warnings():
-            # sizes are checked before any pixel is decoded, and what is damaged ends in an
-            # exception
+            # sizes are checked before any pixel is decoded, and damaged files end in an exception
             warnings.simplefilter("ignore")
             decoded = _decoded(data, str(path), wanted)
     except BadInput:

@@ -1,6 +1,4 @@
-"""Pixels of a file as grey numbers, upright, with all their bits: by Pillow, or by tifffile where
-it knows more.
-"""
+"""Pixels of a file as upright grey numbers with all their bits, by Pillow or tifffile."""
 
 from __future__ import annotations
 
@@ -47,7 +45,7 @@ class Decoded:
     grey
         (height, width), upright.
     bits
-        Of a number in ``grey``.
+        Bits of a number in ``grey``.
     remarks
         One line for each conversion.
     """
@@ -58,9 +56,7 @@ class Decoded:
 
 
 def check_kind(header: Header, name: str, *, normalize: bool, hint: str) -> None:
-    """:class:`BadInput` for a kind of pixels that would lose bits or meaning, saying what is
-    allowed.
-    """
+    """:class:`BadInput` for a kind of pixels that would lose bits or meaning."""
     kept = header.layout in _DEEP.get(header.format, ()) and header.number != "complex"
     if not header.plain and not kept:
         raise BadInput(f"{name} is {kind(header)}; allowed: {ALLOWED}")
@@ -71,7 +67,7 @@ def check_kind(header: Header, name: str, *, normalize: bool, hint: str) -> None
 
 
 def kind(header: Header) -> str:
-    """What a file is, for people."""
+    """The kind of a file, for people."""
     return f"{header} ({header.format})"
 
 
@@ -87,8 +83,8 @@ def decode(data: bytes, header: Header, check_size: CheckSize) -> Decoded:
 
     Damaged files raise almost anything, from SyntaxError to struct.error.
     """
-    # of deep TIFF Pillow knows this kind only; the others it refuses, or reads with their bytes
-    # exchanged
+    # Pillow knows this kind of deep TIFF only; it refuses the others, or reads them with their
+    # bytes exchanged
     known = header.layout == "grey" and header.number == "unsigned" and header.bits in (12, 16)
     if header.format == "TIFF" and not header.plain and (not known or header.white_is_zero):
         return _by_tifffile(data, header, check_size)
@@ -125,8 +121,8 @@ def _bt601(planes: Numbers) -> Numbers:
 def _by_pillow(data: bytes, header: Header, check_size: CheckSize) -> Decoded:
     if header.format == "PNG":
         data = without_extras(data)
-    # from memory: what Pillow maps from a file it cuts into rows of the wrong length, where these
-    # become columns
+    # from memory: Pillow cuts a mapped file into rows of the wrong length, where rows become
+    # columns
     with Image.open(io.BytesIO(data), formats=[header.format]) as image:
         check_size(image.size)
         image.load()

@@ -12,11 +12,10 @@ Pixels = NDArray[np.unsignedinteger[Any]]
 
 
 def fitted(grey: Numbers, bits: int, pixel_bits: int, remarks: list[str], hint: str = "") -> Pixels:
-    """Pixels of ``pixel_bits``: the upper ones of unsigned numbers of ``bits``, or these shifted
-    up.
+    """Pixels of ``pixel_bits`` from unsigned numbers of ``bits``: their upper bits, or shifted up.
 
-    Where the uppermost are never set, as in the 16-bit files of 12-bit cameras, the remark says so:
-    the pixels are darker than they could be, and ``hint`` may name what helps.
+    Where the uppermost bits are never set, as in the 16-bit files of 12-bit cameras, the remark
+    says so: the pixels are darker than they could be, and ``hint`` may name a remedy.
     """
     dtype = np.uint8 if pixel_bits <= 8 else np.uint16
     if bits > pixel_bits:
@@ -35,8 +34,9 @@ def _counted(bits: int) -> str:
 
 
 def normalized(grey: Numbers, pixel_bits: int, remarks: list[str]) -> Pixels:
-    """Smallest to largest number stretched to all of ``pixel_bits``; ``ValueError`` if that cannot
-    be.
+    """The range of the numbers stretched to all of ``pixel_bits``.
+
+    ``ValueError`` if that is not possible.
     """
     low, high = grey.min().item(), grey.max().item()
     span = high - low

@@ -1,9 +1,8 @@
-"""What a file is, by its heading: what the decoder's answer does not tell, or tells differently by
-version.
+"""The kind of a file, read from its header, where decoders do not tell it reliably.
 
-Pillow reads 16-bit colour, 10-bit AVIF and signed bytes as unsigned 8-bit pixels silently. So
-depth and kind of number are taken from the file itself, and only formats whose heading is read here
-are read at all.
+Pillow silently reads 16-bit colour, 10-bit AVIF and signed bytes as unsigned 8-bit pixels. So depth
+and kind of number are taken from the file itself, and only formats whose header is read here are
+read at all.
 """
 
 from __future__ import annotations
@@ -39,9 +38,9 @@ class Header:
     Attributes
     ----------
     format
-        As Pillow names it.
+        Name of the format, as in Pillow.
     bits
-        Of a sample; of the widest, where they differ.
+        Bits of a sample; those of the widest, where they differ.
     number
         ``"unsigned"``, ``"signed"``, ``"floating-point"`` or ``"complex"``.
     layout
@@ -49,16 +48,16 @@ class Header:
     white_is_zero
         Grey whose largest number is black.
     orientation
-        As EXIF counts them, where the file's heading holds it (TIFF).
+        EXIF's number, where the file's header holds it (TIFF).
     transparent
-        Grey level, in the file's own numbers, of pixels that are not there.
+        Grey level, in the file's own numbers, of transparent pixels.
     animated
         A PNG of several pictures; the other formats' decoders tell.
     largest
         The number that is white, where that is not all ones (PGM).
     unspecified
-        There are samples beside grey or colours that are no transparency, or nobody says what
-        (TIFF).
+        There are samples beside grey or colours that are not transparency, or whose meaning is not
+        given (TIFF).
     """
 
     format: str
@@ -85,9 +84,9 @@ class Header:
 
 
 def read_header(data: bytes) -> Header | None:
-    """The heading of a file, or None where it is none of the formats known here.
+    """The header of a file, or None if the format is not known here.
 
-    Damaged headings raise whatever reading beyond the end raises, as decoders do.
+    Damaged headers raise the same exceptions as reading beyond the end, as decoders do.
     """
     for magic, read in _FORMATS:
         if magic.match(data):
@@ -96,8 +95,7 @@ def read_header(data: bytes) -> Header | None:
 
 
 def without_extras(data: bytes) -> bytes:
-    """A PNG without what pixels do not need: texts and profiles of any length, and further
-    pictures.
+    """A PNG without data that pixels do not need: texts, profiles and further pictures.
 
     The transparent level of grey stays out as well: decoders compare it with pixels that they have
     widened before.
@@ -168,7 +166,7 @@ def _tiff(data: bytes) -> Header:
 
 
 def _check_strips(tags: TiffImagePlugin.ImageFileDirectory_v2) -> None:
-    """Decoders leave black what no strip, or no tile, holds."""
+    """Refuse missing strips or tiles, whose pixels decoders would leave black."""
     width, height = (tags.get(_TAG[name], 0) for name in ("ImageWidth", "ImageLength"))
     parts, across, down = "strips", width, tags.get(_TAG["RowsPerStrip"], height)
     offsets = tags.get(_TAG["StripOffsets"], ())
@@ -207,7 +205,7 @@ def _pnm(data: bytes) -> Header:
 
 
 def _check_samples(data: bytes, start: int, count: int, largest: int) -> None:
-    """Decoders cut what is larger than the heading says, where they have to stretch."""
+    """Refuse numbers larger than the header allows, which decoders would cut."""
     dtype = np.dtype(np.uint8 if largest < 256 else ">u2")
     there = min(count, (len(data) - start) // dtype.itemsize)
     found = int(np.frombuffer(data, dtype, there, start).max(initial=0))

@@ -1,4 +1,4 @@
-"""Timing diagrams of the AXI edges, out of a simulation: ``python docs/tools/timing.py`` prints them.
+"""Timing diagrams of the AXI edges, from a simulation; ``python docs/tools/timing.py`` prints them.
 
 A frame of 17x17 pixels with a bright square goes through a small core. The source pauses once, and
 the records have to wait once.

@@ -103,9 +103,7 @@ class EngineSpeed:
 
 
 def mirrored_photograph(shape: tuple[int, int]) -> Image:
-    """scikit-image's photograph ``camera`` (512x512), continued by its mirror images, cut to
-    ``shape``.
-    """
+    """scikit-image's photograph ``camera``, continued by its mirror images and cut to ``shape``."""
     from skimage import data
 
     photograph = np.asarray(data.camera())

@@ -231,7 +231,7 @@ MODES = (
 
 
 def modes_of(detectors: list[Detector]) -> list[Mode]:
-    """The modes that these detectors allow: without ``like``, or with one of the detectors as it."""
+    """The modes that these detectors allow: ``like`` is None, or one of the detectors."""
     names = {detector.name for detector in detectors}
     return [mode for mode in MODES if mode.like is None or mode.like in names]
 

@@ -1,3 +1,1 @@
-"""cocotb test benches: modules that run inside the simulator, started by tests through
-:mod:`sim.cocotb_bench`.
-"""
+"""cocotb test benches: modules that tests run in the simulator by :mod:`sim.cocotb_bench`."""

@@ -1,7 +1,6 @@
 # amaranth: UnusedElaboratable=no
 # one detector is made for its latency only
-"""The AXI core on its test bench: drivers, rules that are watched, registers by name, what is
-expected of it.
+"""The AXI core on its test bench: drivers, rules, registers by name, expected packets.
 
 Each build is tried by several modules; which one this is comes in the environment, as JSON in
 ``PARAMETERS``.
@@ -113,18 +112,14 @@ class Bench:
         await start(self.dut)
 
     async def hard_reset(self) -> None:
-        """By the pin, amid whatever is under way; nothing that has not come out yet is expected any
-        more.
-        """
+        """Reset by the pin at any time; beats that are still inside are not expected any more."""
         self.source.clear()
         await reset(self.dut, random.randrange(1, 4))
         self.forget()
         self.model.events = self.extra = Event(0)
 
     def forget(self) -> None:
-        """What has been sent will not come out any more, and the next frame is the first; STATUS
-        stays.
-        """
+        """Data sent before are not expected; the next frame is the first; STATUS stays."""
         self.interrupt()
         self.shown.reset()
         for sink in self.sinks:
@@ -225,9 +220,7 @@ class Bench:
         return packets
 
     async def check(self) -> None:
-        """All that was sent has come out, and nothing else; STATUS says exactly what happened, and
-        is cleared.
-        """
+        """All data have come out, and nothing else; STATUS is exact, and is cleared."""
         await self.quiet()
         self.compare(self.received())
         if self.parameters.video_out:
@@ -236,8 +229,7 @@ class Bench:
         await self.check_status()
 
     def interrupt(self, begun: int | None = None) -> list[Packet]:
-        """After a soft reset: what was expected by then, of which only the first part will come;
-        STATUS stays.
+        """After a soft reset, only the first part of what was expected will come; STATUS stays.
 
         Frames from number ``begun`` on, all of them well-formed, begin after it: they are expected
         anew.
@@ -253,8 +245,9 @@ class Bench:
         return before
 
     async def check_reset(self, before: list[Packet]) -> tuple[int, bool]:
-        """All that was sent after a soft reset has come out, and before it complete packets, then
-        one cut at most.
+        """All data sent after a soft reset have come out.
+
+        Before them come complete packets, and then at most one packet of a cut frame.
 
         Returns the number of those before, and whether there is a cut one.
         """

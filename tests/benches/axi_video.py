@@ -1,5 +1,4 @@
-"""What comes out at the core's optional video output: pixels as they went in, with a mark where a
-corner is.
+"""The core's optional video output: pixels as they went in, with flags at corners.
 
 Corners are computed here from the golden model's blocks, not from its records: those are refined,
 and tell the whole pixel no more.
@@ -25,8 +24,9 @@ _SOF, _CORNER = 1, 2
 
 @dataclass(frozen=True)
 class Shown:
-    """A frame at the output: beats ``(pixel, TUSER, TLAST)``. Of a cut one, some number of the
-    first of them.
+    """A frame at the output: beats ``(pixel, TUSER, TLAST)``.
+
+    A cut frame has some number of the first beats.
     """
 
     beats: NDArray[np.int64]
@@ -58,9 +58,7 @@ class VideoExpectation:
         self._begun: VideoSettings | None = None
 
     def interrupt(self, begun: int | None = None) -> None:
-        """A soft reset: of the frames begun by now any part may be missing, and the next frame is
-        the first.
-        """
+        """After a soft reset earlier frames may be incomplete; the next frame is the first."""
         before = [replace(shown, cut=True) for shown in self.expected[:begun]]
         self.reset()
         self.expected = before

@@ -1,6 +1,4 @@
-"""Limit and target through registers: what is reported, what is counted, what is kept and what is
-forgotten.
-"""
+"""Limit and target through registers: reported and counted corners, and resets."""
 
 from __future__ import annotations
 
@@ -84,8 +82,9 @@ async def target_corners(dut: Dut, stall: float) -> None:
 
 @cocotb.test(timeout_time=3, timeout_unit="ms")
 async def reset_forgets(dut: Dut) -> None:
-    """A soft reset, in a frame and between two, even while the output is held up: the next frame is
-    the first.
+    """The next frame after a soft reset is the first, also when the output is held up.
+
+    The reset comes in a frame, and between two.
     """
     bench, random_ = Bench(dut), draw()
     await bench.start()

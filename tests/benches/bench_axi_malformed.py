@@ -27,9 +27,7 @@ NONE, DONE, CUT = Event(0), Event.FRAME_DONE, Event.FRAME_CUT
 
 
 def row(test: Callable[[Bench, Random], Awaitable[None]]) -> Any:
-    """Makes a cocotb test of it, with and without pauses; called ``ROUNDS`` times, each time with
-    another size.
-    """
+    """Makes a cocotb test, with and without pauses, called ``ROUNDS`` times with other sizes."""
 
     async def run(dut: Dut, pauses: float) -> None:
         bench, random_ = Bench(dut, idle=pauses, stall=pauses), draw()
@@ -123,9 +121,7 @@ async def long_line(bench: Bench, random_: Random) -> None:
 
 @row
 async def lost_tlast(bench: Bench, random_: Random) -> None:
-    """One line runs into the next, so the frame lacks one, or if it is the last the next frame's
-    first ends it.
-    """
+    """One line runs into the next: the frame lacks one, or the next frame's first line ends it."""
     perhaps = CUT | Event.SOF_EARLY | Event.EOL_MISSING
     await between(bench, random_, malformed.lost_eol, DONE | Event.EOL_LATE, perhaps)
 
@@ -138,9 +134,7 @@ async def tlast_never(bench: Bench, random_: Random) -> None:
 
 @row
 async def tlast_ignored(bench: Bench, random_: Random) -> None:
-    """With ``ignore_eol`` frames without any end of line are as good as others, so are those with
-    some anywhere.
-    """
+    """With ``ignore_eol``, frames without ends of line, or with wrong ones, are accepted."""
     video = bench.video
     await bench.configure(VideoSettings(video.width, video.height, video.settings, ignore_eol=True))
     bench.send(frame(bench, random_, malformed.no_eol))
@@ -153,7 +147,7 @@ async def tlast_ignored(bench: Bench, random_: Random) -> None:
 
 
 @row
-async def marks_at_random(bench: Bench, random_: Random) -> None:
+async def framing_at_random(bench: Bench, random_: Random) -> None:
     for _ in range(4):
         bench.send(frame(bench, random_, malformed.noise_marks))
     bench.send(frame(bench, random_))
@@ -192,7 +186,7 @@ async def size_out_of_range(bench: Bench, random_: Random) -> None:
 
 
 def places(pixels: int, *dense: int) -> Iterator[int]:
-    """Of a sweep over so many pixels: some, others each time, and more of them around some."""
+    """Some steps of a sweep over so many pixels: others each time, and more around some pixels."""
     step = 17 if ROUNDS > 1 else 61
     yield from range(random.randrange(step), pixels, step)
     for place in dense:
@@ -201,9 +195,7 @@ def places(pixels: int, *dense: int) -> Iterator[int]:
 
 @row
 async def soft_reset_anywhere(bench: Bench, random_: Random) -> None:
-    """In either of two frames, so that the first is inside still when the second has begun; and
-    after them.
-    """
+    """In either of two frames, the first still inside when the second begins; and after them."""
     bench.video = VideoSettings(int(random_.integers(15, 20)), 15, bench.video.settings)
     await bench.configure(bench.video)
     size = bench.video.width * bench.video.height

@@ -78,9 +78,7 @@ async def matrix(dut: Dut, frame_size: str, idle: float, stall: float) -> None:
 
 
 async def unhindered(bench: Bench, packets: list[Packet], width: int, height: int) -> None:
-    """One frame after the other, as fast as they come: results while the next is under way, and all
-    times.
-    """
+    """Frames back to back: results while the next frame is under way, and all times."""
     words: list[Records] = []
     for packet in packets:
         words.append(np.array((await bench.sink.packet()).data, np.uint64))
@@ -117,9 +115,7 @@ def waits(packet: Packet, bench: Bench, width: int, height: int) -> bool:
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def without_software(dut: Dut) -> None:
-    """Nobody writes a register: frames of the built maximum are taken, or where not built for that
-    dropped.
-    """
+    """No register is written: frames of the maximum are taken with ``autostart``, or dropped."""
     bench, random = Bench(dut), draw()
     await bench.start()
     bench.video = replace(bench.video, enabled=bench.parameters.autostart)

@@ -1,5 +1,4 @@
-"""The registers of the AXI core by themselves: addresses, what is in them after reset, bytes,
-refusals, interrupts.
+"""The registers of the AXI core: addresses, reset values, bytes, refusals, interrupts.
 
 Addresses and contents are written out here, not taken from the map, so that a change of it must be
 made twice.
@@ -86,9 +85,7 @@ def reset_values(bench: Bench) -> dict[int, int]:
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 @cocotb.parametrize(bus=[0.0, 0.5])
 async def after_reset(dut: Dut, bus: float) -> None:
-    """Every word of the address space reads its reset value or is refused; read-only words refuse
-    writes.
-    """
+    """Each word reads its reset value or is refused; read-only words refuse writes."""
     bench = Bench(dut, bus=bus)
     await bench.start()
     values = reset_values(bench)
@@ -150,9 +147,7 @@ async def bytes_of_registers(dut: Dut, bus: float) -> None:
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def asked_in_reset(dut: Dut) -> None:
-    """By a bus and a source that are not reset with the core: all waits until then, and is answered
-    afterwards.
-    """
+    """Reset without the bus and the source: all accesses wait, and are answered afterwards."""
     pins = {name: getattr(dut, f"s_axil_{name}") for name in ("awvalid", "wvalid", "arvalid")}
     pins["tvalid"] = dut.s_axis_tvalid
     for pin in pins.values():
@@ -213,9 +208,7 @@ async def size_refused(dut: Dut) -> None:
 
 @cocotb.test(timeout_time=3, timeout_unit="ms")
 async def interrupts(dut: Dut) -> None:
-    """High exactly while a bit is set that is enabled: each bit enabled by itself, with several of
-    them set.
-    """
+    """High exactly while an enabled bit is set: each bit alone, with several bits set."""
     bench = Bench(dut, idle=0.1)
     await bench.start()
     await usual(bench)

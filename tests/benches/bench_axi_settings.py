@@ -1,6 +1,4 @@
-"""What software sets and reads back while video runs: switches, limits, results; and traffic all
-along.
-"""
+"""Settings and results by software while video runs, with register traffic at all times."""
 
 from __future__ import annotations
 
@@ -81,9 +79,7 @@ async def soft_reset(dut: Dut) -> None:
 
 @cocotb.test(timeout_time=3, timeout_unit="ms")
 async def enable(dut: Dut) -> None:
-    """Frames that start without it are dropped and not missed; one that is under way goes on
-    without it.
-    """
+    """Frames that start while disabled are dropped; one that is under way goes on."""
     bench = Bench(dut, idle=0.2, stall=0.2)
     await bench.start()
     await usual(bench, enabled=False)
@@ -119,9 +115,7 @@ async def until(condition: Callable[[], bool], dut: Dut, limit: int) -> int:
 
 @cocotb.test(timeout_time=3, timeout_unit="ms")
 async def input_idle(dut: Dut) -> None:
-    """After TIMEOUT clocks without a pixel amid a frame: not sooner, once for each wait, never
-    between frames.
-    """
+    """After TIMEOUT clocks without a pixel in a frame, once for each wait, not between frames."""
     bench = Bench(dut)
     await bench.start()
     await usual(bench)
@@ -217,9 +211,7 @@ async def output_stalled(dut: Dut) -> None:
 @cocotb.test(timeout_time=3, timeout_unit="ms")
 @cocotb.parametrize(bus=[0.0, 0.4])
 async def traffic_while_video_runs(dut: Dut, bus: float) -> None:
-    """Reads and writes at once, all along: no record is another for it, and each is answered
-    rightly.
-    """
+    """Reads and writes at once do not change any record, and each is answered rightly."""
     bench = Bench(dut, idle=0.1, stall=0.1, bus=bus)
     await bench.start()
     await usual(bench)

@@ -1,5 +1,4 @@
-"""Random frames, some of them malformed, random pauses that change from frame to frame, register
-traffic all along.
+"""Random frames, some malformed, with random pauses and register traffic.
 
 Says what it tried in a line that begins with "tried".
 """

@@ -1,6 +1,4 @@
-"""Tries the small component of ``tests/sim/test_cocotb_bench.py``, and with it the drivers of
-``common``.
-"""
+"""Tests the component of ``tests/sim/test_cocotb_bench.py``, and the drivers of ``common``."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""What test benches share: clock and reset, video in, packets out, registers, and rules that are
-watched.
+"""Shared parts of test benches: clock, reset, video, packets, registers, rules.
 
 Drivers are cocotbext-axi's, which nobody here wrote. Make them before :func:`start`, so that no pin
 is left without a value and each of them sees the reset. Everything random comes from :mod:`random`,
@@ -58,9 +57,7 @@ async def start(dut: Dut, clocks: int = 3) -> None:
 
 
 async def reset(dut: Dut, clocks: int = 3) -> None:
-    """Resets the core and, by the same pin, the drivers: they lose a packet that has begun, and no
-    other.
-    """
+    """Resets the core and, by the same pin, the drivers, which lose a packet that has begun."""
     dut.rst.value = 1
     await ClockCycles(dut.clk, clocks)
     dut.rst.value = 0
@@ -68,8 +65,7 @@ async def reset(dut: Dut, clocks: int = 3) -> None:
 
 
 class VideoSource:
-    """Sends frames as AXI4-Stream video: a packet is a line, TUSER[0] marks the first pixel of a
-    frame.
+    """Sends frames as AXI4-Stream video: a packet is a line, TUSER[0] is start of frame.
 
     Parameters
     ----------
@@ -185,8 +181,7 @@ class Registers:
 
 
 class Watch:
-    """Checks in each clock what AXI asks of the sending side of a channel; a breach fails the test
-    at once.
+    """Checks AXI's rules for a sending channel in each clock; a breach fails the test.
 
     Valid stays until the beat is taken, the payload stays meanwhile, and nothing is valid in reset.
     Looks at the pins alone: no driver can hide anything.

@@ -1,6 +1,4 @@
-"""Bad input: exit code 2, one line on stderr that names the value and what is allowed, nothing
-written.
-"""
+"""Bad input: exit code 2, one line with the value and what is allowed, nothing written."""
 
 from __future__ import annotations
 

@@ -263,8 +263,8 @@ def test_why_there_are_no_corners_is_said() -> None:
     # its corners lie between four pixels, whose responses are equal
     (line,) = advice_on(BOARD, "--profile", "paper")
     assert line.endswith(
-        "of two equal neighbouring responses neither is a corner; try --profile robust, or --ties first"
+        "neither of two equal neighbouring responses is a corner; try --profile robust, or --ties first"
     )
     assert advice_on(BOARD) == []
     (line,) = advice_on(BOARD, "--ties", "strict")
-    assert line.endswith("neither is a corner; try --ties first")
+    assert line.endswith("responses is a corner; try --ties first")

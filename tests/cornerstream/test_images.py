@@ -1,6 +1,4 @@
-"""Images by hand: what is done with colour, transparency, sizes, damage, and what a file holds
-beside its pixels.
-"""
+"""Images by hand: colour, transparency, sizes, damage, and data beside the pixels."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""Pixels of 4 to 10 bits out of numbers of 8 to 16, and the range stretched: what is kept, and what
-is said of it.
-"""
+"""Pixels of 4 to 10 bits from numbers of 8 to 16 bits, normalization, and their remarks."""
 
 from __future__ import annotations
 

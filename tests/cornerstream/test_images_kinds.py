@@ -1,6 +1,4 @@
-"""Every kind of image file: the right pixels and remarks, or one line; whole, turned, cut and with
-junk.
-"""
+"""Every kind of image file gives pixels and remarks, or one line: whole, turned, cut, with junk."""
 
 from __future__ import annotations
 
@@ -141,9 +139,7 @@ def check_turned(photograph: Photograph, case: Case, orientation: int) -> None:
 
 @pytest.mark.parametrize("case", cases(USED, NORMALIZED, formats=("TIFF",)))
 def test_layouts_of_tiff(tmp_path: Path, case: Case) -> None:
-    """Turned, in one strip or several, in planes or not, either order of bytes, compressed or not:
-    all the same.
-    """
+    """All layouts give the same: turned, strips, planes, order of bytes, compression."""
     normalize = case.outcome == NORMALIZED
     right = loaded(tmp_path / "image", case.make(), normalize=normalize).pixels
     planes = (False, True) if case.layout in ("RGB", "RGB with alpha", "CMYK") else (False,)

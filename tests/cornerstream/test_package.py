@@ -152,7 +152,9 @@ def test_a_foreign_folder_is_left_alone() -> None:
     Path("mine/cornerstream.json").write_text('{"files": []}')
     before = contents(Path("mine"))
     result = run("package", "-o", "mine", *SIZE, code=2)
-    assert "mine holds files that are no earlier package; allowed: an empty or a new folder" in result.stderr
+    assert (
+        "mine holds files that are not an earlier package; allowed: an empty or a new folder" in result.stderr
+    )
     assert contents(Path("mine")) == before
     run("package", "-o", "mine", *SIZE, "--force")
     assert before.items() <= contents(Path("mine")).items()

@@ -121,7 +121,9 @@ def test_a_foreign_folder_is_left_alone(manifest: str | None) -> None:
         Path("mine/cornerstream.json").write_text(manifest)
     before = contents(Path("mine"))
     result = run("quartus", "export", "-o", "mine", *SIZE, code=2)
-    assert "mine holds files that are no earlier export; allowed: an empty or a new folder" in result.stderr
+    assert (
+        "mine holds files that are not an earlier export; allowed: an empty or a new folder" in result.stderr
+    )
     assert contents(Path("mine")) == before
     run("quartus", "export", "-o", "mine", *SIZE, "--force")
     assert Path("mine/thesis.tex").read_text() == "years of work"

@@ -1,6 +1,4 @@
-"""Intervals of few resamples: what they are worth is tested once, by tests that say how many they
-want.
-"""
+"""Intervals have few resamples here; tests of intervals say how many they need."""
 
 from __future__ import annotations
 

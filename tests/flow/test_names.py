@@ -1,6 +1,4 @@
-"""What others see of the emitted core: module and port names that do not clash, and no complaint of
-Verilator.
-"""
+"""Module and port names of the emitted core do not clash, and Verilator does not complain."""
 
 from __future__ import annotations
 

@@ -199,9 +199,7 @@ def test_two_cores_are_in_one_program(tmp_path: Path) -> None:
 
 
 def test_no_two_cores_share_a_name_in_c() -> None:
-    """What a core's name is followed by never is a core's name's ending and what another's is
-    followed by.
-    """
+    """No ending after a core's name can be read as another core's name with its ending."""
     text = "".join(software_files(Build(budget=True)).values())
     for name in ("cornerstream", "CORNERSTREAM"):
         parts = set(re.findall(rf"\b{name}_(\w+)", text))

@@ -44,9 +44,7 @@ class Bump(wiring.Component):
 
 
 class DelayLine(wiring.Component):
-    """Sums each beat with the one four beats earlier, kept in a memory with the given first
-    contents.
-    """
+    """Adds to each beat the one four beats before, from a memory with these first contents."""
 
     def __init__(self, init: list[int]) -> None:
         self._init = init
@@ -147,9 +145,7 @@ def test_detector_keeps_its_table_and_nothing_else() -> None:
 
 
 def noise_at_power_on(text: str) -> tuple[str, int]:
-    """Verilog in which everything without initial contents starts with noise; how many memories
-    have none.
-    """
+    """Verilog whose memories without contents start with noise; and the number of those."""
     filled = initialised(text)
     memories = 0
 

@@ -1,6 +1,4 @@
-"""A claim about a block: its proof, the cover that shows it to be about something, and faults that
-it catches.
-"""
+"""A claim about a block: its proof, its cover, and the faults that it catches."""
 
 from __future__ import annotations
 
@@ -23,8 +21,7 @@ _METHODS = {"induction": "induction", "bmc": "bounded model checking"}
 
 @dataclass(frozen=True)
 class Fault:
-    """A wrong variant of the design: one place of its source is changed, and an Assert must fail in
-    a true run.
+    """A wrong version of the design: one text is changed, and an Assert must fail in a true run.
 
     What is asserted only to help the induction does not count: the fault breaks what is claimed.
 

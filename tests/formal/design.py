@@ -1,6 +1,4 @@
-"""The design under proof: its registers, which an induction must speak about, and wrong variants of
-it.
-"""
+"""The design under proof: its registers, for inductions, and wrong versions of it."""
 
 from __future__ import annotations
 
@@ -47,9 +45,7 @@ class Insides:
 
 
 def stored(m: Module, memory: Any, place: Value | int) -> Value:
-    """What a memory that is not elaborated yet has in a place: through one more port, which changes
-    nothing.
-    """
+    """A word of a memory that is not elaborated yet, by one more port, which changes nothing."""
     port = memory.read_port(domain="comb")
     address = Const(place, len(port.addr)) if isinstance(place, int) else place
     m.d.comb += port.addr.eq(address)
@@ -57,9 +53,7 @@ def stored(m: Module, memory: Any, place: Value | int) -> Value:
 
 
 def variant(design: ModuleType, changes: dict[str, str]) -> ModuleType:
-    """A module of the sources with each of these texts, which occur once in it, replaced by
-    another.
-    """
+    """A module of the sources in which each of these texts, which occur once, is replaced."""
     assert design.__file__
     source = getattr(design, "source", None) or Path(design.__file__).read_text(encoding="utf-8")
     for old, new in changes.items():

@@ -1,6 +1,4 @@
-"""Frames as a model has them: where in one a pixel is, and what the frame guard must make of any
-video.
-"""
+"""A model of frames: places of pixels, and the frame guard's output for any video."""
 
 from __future__ import annotations
 
@@ -66,8 +64,7 @@ def claim(m: Module, holds: Any, message: str, known: bool) -> None:
 
 
 def guard_model(m: Module, dut: Any, inside: Insides, restarted: Signal, *, known: bool = False) -> Place:
-    """Assert what becomes of each beat, as ``golden.video`` has it; returns the place of the next
-    pixel.
+    """Assert the fate of each beat as in ``golden.video``; returns the next pixel's place.
 
     ``known``: it is proven elsewhere, and only helps the proof of something else.
     """

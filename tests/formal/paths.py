@@ -1,6 +1,4 @@
-"""Paths through a design without a register on the way: found in its netlist, so for all inputs at
-once.
-"""
+"""Paths without a register through a design, found in its netlist, so for all inputs."""
 
 from __future__ import annotations
 

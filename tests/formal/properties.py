@@ -1,5 +1,4 @@
-"""The rules of streams as properties, for any block: what a proof asserts, and what it assumes of
-the neighbours.
+"""The rules of streams as properties: to assert of a block, or to assume of its neighbours.
 
 Each function adds its registers and its Asserts, Assumes and Covers to the module of a checker,
 which holds the block under proof as a submodule. Names lead the messages, so that a failure says
@@ -41,9 +40,7 @@ INVARIANT = "invariant"
 
 
 def invariant(m: Module, holds: Any, message: str) -> None:
-    """Assert something about the insides of a block that is not a promise of its own, but needed to
-    prove one.
-    """
+    """Assert an inner property of a block, which only helps to prove a promised one."""
     m.d.comb += Assert(holds, f"{INVARIANT}: {message}")
 
 
@@ -76,8 +73,7 @@ def assume_stable(m: Module, port: Any, name: str) -> None:
 
 
 def within(m: Module, clocks: int, *, during: Value, happens: Value, name: str) -> Signal:
-    """Assert bounded liveness: of ``clocks`` clocks in a row with ``during`` one at least has
-    ``happens``.
+    """Assert that ``happens`` comes within ``clocks`` clocks in a row with ``during``.
 
     Returns the number of clocks it has been due for, which an induction may need to know.
     """
@@ -91,8 +87,7 @@ def within(m: Module, clocks: int, *, during: Value, happens: Value, name: str) 
 
 
 class Scoreboard:
-    """Asserts that no beat is lost, doubled, reordered or changed, by following one arbitrary beat
-    through.
+    """Asserts that no beat is lost, doubled, reordered or changed, for one arbitrary beat.
 
     Any beat may be the one, so what holds for it holds for all. When it goes in, the beats ahead of
     it are counted; it must come out as given just after these. Nothing may come out that has not
@@ -182,9 +177,7 @@ class Scoreboard:
 
 
 def accepts_within(m: Module, clocks: int, port: Any, *, during: Value, name: str) -> Signal:
-    """Assert that an offered beat is taken after so many clocks with ``during``, the outputs being
-    ready.
-    """
+    """Assert that a beat is taken after so many clocks with ``during``, if outputs are ready."""
     return within(
         m, clocks, during=during & port.valid, happens=port.ready, name=f"{name}: a beat is not accepted"
     )

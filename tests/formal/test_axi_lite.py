@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""AXI4-Lite: every request has exactly one answer and exactly one access, whatever the manager
-does.
-"""
+"""AXI4-Lite: every request has one answer and one access, for any behaviour of the manager."""
 
 from __future__ import annotations
 
@@ -29,9 +27,7 @@ class Channel:
 
 
 class _Kept:
-    """What a request brought, from when it is taken until it is answered; by the names of the
-    channel.
-    """
+    """The data of a request until it is answered, by the names of the channel."""
 
     def __init__(self, m: Module, channel: Channel, answered: Value, name: str, is_awake: Value) -> None:
         self.open, self.payload = (
@@ -58,9 +54,7 @@ class _Kept:
 
 
 def _access(m: Module, name: str, *, complete: Value, strobe: Value, answer: Channel, error: Value) -> Signal:
-    """One strobe for each complete request, then one answer, which tells of the error at the
-    strobe.
-    """
+    """One strobe for each complete request, then one answer, with the error of that strobe."""
     accessed, refused = Signal(name=f"{name}_accessed"), Signal(name=f"{name}_refused")
     with m.If(moves(answer)):
         m.d.sync += accessed.eq(0)

@@ -89,9 +89,7 @@ CLOSED = Claim(
 
 
 class QueueChecker(Elaboratable):
-    """The source looks at ``room`` a clock late, and may have one more beat to come, as the queue
-    allows it to.
-    """
+    """The source reads ``room`` a clock late, and may have one more beat, as documented."""
 
     def __init__(self, design: Any, depth: int) -> None:
         self._design = design

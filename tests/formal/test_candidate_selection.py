@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Candidate selection: pending records and candidates stay in step, and the queues never overflow,
-whoever waits for whom.
-"""
+"""Candidate selection: pending records and candidates in step, queues never overflow."""
 
 from __future__ import annotations
 
@@ -37,9 +35,7 @@ object.__setattr__(SHORT, "queue_depth", ROOM)
 
 
 class SelectionChecker(Elaboratable):
-    """The blocks before offer all of a centre in one clock, and none in the clock after a frame's
-    last.
-    """
+    """All inputs of a centre come in one clock, and none in the clock after a frame's last."""
 
     def __init__(self, design: Any) -> None:
         self._design = design

@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Frame control: every frame is as large as was asked for with its first pixel, at the default
-build's size.
-"""
+"""Frame control: a frame has the size sampled with its first pixel, at the default build."""
 
 from __future__ import annotations
 
@@ -37,9 +35,7 @@ def allowed(size: Value, least: int, largest: int) -> Value:
 
 
 class FrameControlChecker(Elaboratable):
-    """Sizes and settings change in every clock; what counts is what they are when a first pixel
-    moves.
-    """
+    """Sizes and settings change in every clock; only those at a first pixel's transfer count."""
 
     def __init__(self, design: Any) -> None:
         self._design = design

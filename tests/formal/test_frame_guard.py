@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Frame guard: only whole frames pass, up to a cut; well-formed video passes untouched and without
-an event.
-"""
+"""Frame guard: only whole frames pass, up to a cut; well-formed video passes without events."""
 
 from __future__ import annotations
 

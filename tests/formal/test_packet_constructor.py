@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Packet constructor: every packet is whole, counted and numbered, and every record is passed on or
-counted.
-"""
+"""Packet constructor: packets are whole, counted and numbered; records passed or counted."""
 
 from __future__ import annotations
 
@@ -41,9 +39,7 @@ def ends(record: Value) -> Value:
 
 
 def assume_detector(m: Module, i: Any) -> None:
-    """What comes is as the output constructor sends it: ``last`` with the end-of-frame record, and
-    only with it.
-    """
+    """Input as the output constructor sends it: ``last`` exactly with the end-of-frame record."""
     assume_stable(m, i, "i")
     m.d.comb += Assume(i.payload.last == ends(i.payload.record))
 
@@ -156,9 +152,7 @@ class PacketChecker(Elaboratable):
         invariant(m, dut.results.frames == number, "the numbers of frames differ")
 
     def _results(self, m: Module, dut: Any, passed: Signal, dropped: Signal) -> None:
-        """What is reported: all of the last complete frame's corners, and those of them that were
-        dropped.
-        """
+        """Reported: all corners of the last complete frame, and those that were dropped."""
         results = dut.results
         end, cut = moves(dut.o) & dut.o.payload.last, dut.o.payload.record[CUT_SHIFT]
         found, lost, any_results = Signal(COUNT_BITS), Signal(COUNT_BITS), Signal()

@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Every output of the cores is a register: no input reaches one within a clock, ready and valid
-included.
-"""
+"""Every output of the cores is a register: no input reaches one within a clock."""
 
 from __future__ import annotations
 

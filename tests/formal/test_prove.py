@@ -16,9 +16,7 @@ from flow.yowasp import ToolNotFoundError
 
 
 class Counter(Elaboratable):
-    """Counts 0, 1, 2, 3, 4 and again from 0, where it is enabled; ``check`` adds properties of the
-    count.
-    """
+    """Counts from 0 to 4 and again from 0 while enabled; ``check`` adds properties of the count."""
 
     def __init__(self, check: Any) -> None:
         self._check = check

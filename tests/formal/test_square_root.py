@@ -1,6 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Square root: exact for every radicand, at the real size, by what every register and memory of it
-holds.
+"""Square root: exact for every radicand in real size, by all its registers and memories.
 
 After k result bits, of the radicand's first 2k bits N, root q and remainder r:
 
@@ -31,9 +30,7 @@ ROOT_BITS = Build.profile("paper").root_bits
 
 
 class Known(NamedTuple):
-    """What the proof knows beside a stage: whether a radicand has come to it, which, and its root
-    so far.
-    """
+    """The proof's state beside a stage: is there a radicand, which one, and its root so far."""
 
     there: Value
     radicand: Value
@@ -42,9 +39,7 @@ class Known(NamedTuple):
 
 
 class StagesChecker(Elaboratable):
-    """Any clock may be enabled or not, and reset may come in any; what counts is what went in
-    since.
-    """
+    """Any clock may be enabled, and reset may come in any; only input since then counts."""
 
     def __init__(self, design: Any, per_stage: int) -> None:
         self._design = design
@@ -83,9 +78,7 @@ class StagesChecker(Elaboratable):
         return m
 
     def _next(self, m: Module, enable: Value, before: Known, signs: list[Value]) -> Known:
-        """A stage later: a bit of the root is 1 where the remainder's sign, the hardware's own, is
-        0.
-        """
+        """A stage later, a bit of the root is 1 where the hardware's sign of the remainder is 0."""
         root, excess = before.root, before.excess
         for sign in signs:
             low = 2 * (self._bits - 1 - len(root))

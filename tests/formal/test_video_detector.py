@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""The guarded detector, around any detector that keeps its contract: one packet per frame, and no
-way to hang.
-"""
+"""The guarded detector around any that keeps its contract: one packet per frame, no hang."""
 
 from __future__ import annotations
 
@@ -24,8 +22,7 @@ MOST = PARAMETERS.queue_depth + 30
 
 
 class VideoDetectorChecker(Elaboratable):
-    """Assumed: the detector's contract, sizes in range, and that ``reset`` is held until it is
-    done.
+    """Assumed: the detector's contract, valid sizes, and ``reset`` held until it is done.
 
     ``others`` counts the frames that have begun and whose closing beat is not yet at the output.
     """
@@ -162,9 +159,7 @@ class VideoDetectorChecker(Elaboratable):
 
 
 class ExactChecker(VideoDetectorChecker):
-    """Without resets by software: all ends of frames in order, each marked as cut if it was, and
-    only then.
-    """
+    """Without soft resets: all ends of frames in order, each flagged as cut only if it was."""
 
     def _frames(self, m: Module) -> None:
         super()._frames(m)
@@ -197,9 +192,7 @@ class ExactChecker(VideoDetectorChecker):
 
 
 class ResetChecker(VideoDetectorChecker):
-    """With resets by software at any time: all that is under way gives one closing beat; and the
-    reset is done.
-    """
+    """With soft resets at any time: the frame under way gives one closing beat; resets end."""
 
     resets = True
 

@@ -98,9 +98,7 @@ def test_a_target_is_missed_by_less_than_one_bin(data: st.DataObject) -> None:
 @pytest.mark.parametrize("name", ["camera", "brick", "grass", "coins"])
 @pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
 def test_a_still_scene(parameters: Parameters, name: str, target: int) -> None:
-    """The third frame is the first with both thresholds from a frame like it; nothing changes any
-    more.
-    """
+    """The third frame is the first with both thresholds from an equal frame; then all is steady."""
     image, settings = photograph(name), Settings.default(parameters, target_corners=target)
     model = StreamModel(parameters)
     results = [model.process(image, settings) for _ in range(6)]
@@ -272,9 +270,7 @@ def test_a_target_comes_before_a_rank_and_a_given_reference_before_both() -> Non
 
 
 def test_smoothing_follows_slowly() -> None:
-    """A lamp at full and at half light by turns: each frame's threshold is the other's, or an
-    average.
-    """
+    """A lamp at full and half light in turn: thresholds are the other frame's, or an average."""
     bright = photograph("coins")
     scenes = [bright, bright // 2] * 8
     spread, t1 = {}, {}

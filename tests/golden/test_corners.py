@@ -177,9 +177,7 @@ def test_distance_is_a_number(distance: Any) -> None:
 
 
 def test_refined_corners_come_nearer_than_their_peaks() -> None:
-    """Two dark squares, the corners of which are at (23.5, 23.5) and (23.5, 26.5), in a white strip
-    of three rows.
-    """
+    """Dark squares in a white strip of three rows; corners at (23.5, 23.5) and (23.5, 26.5)."""
     image = np.full((48, 48), 255, np.uint8)
     image[10:24, 10:24] = image[27:38, 24:38] = 0
     found = detect(image, Parameters.profile("robust", suppression=3))

@@ -13,9 +13,7 @@ from golden.divider import HALF, QUOTIENT_BITS, divide
 
 
 def exact(numerator: int, denominator: int) -> int:
-    """The definition, in fractions: nearest multiple of 1/128, halves away from zero, at most one
-    half.
-    """
+    """The definition in fractions: nearest 1/128, halves away from zero, at most one half."""
     nearest = int(128 * abs(Fraction(numerator, denominator)) + Fraction(1, 2))  # rounded down
     return min(nearest, 64) * (1 if numerator >= 0 else -1)
 

@@ -104,9 +104,7 @@ def test_clamp_of_the_response_is_reached_and_by_one_unit_only(gradient: Gradien
 
 @pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
 def test_full_scale_of_absolute_gradients_is_half_of_all_products(pixel_bits: int) -> None:
-    """Tensors of every pair of gradients that smoothing may see, mixed at random: the half without
-    C is most.
-    """
+    """Tensors of every pair of gradients, mixed at random; the half without C is most."""
     parameters = Parameters.profile("paper", pixel_bits=pixel_bits)
     top = parameters.pixel_max
     rng = np.random.default_rng(pixel_bits)
@@ -151,9 +149,7 @@ def test_records_of_extreme_images(pixel_bits: int, name: str) -> None:
 @pytest.mark.parametrize("fit", ["nine", "six"])
 @pytest.mark.parametrize("pixel_bits", PIXEL_BITS)
 def test_every_number_of_the_subpixel_refinement_keeps_its_width(pixel_bits: int, fit: Fit) -> None:
-    """Of the responses around any pixel, corner or not, and of random ones at both ends of their
-    range.
-    """
+    """Sums of responses around any pixel, and of random responses at both ends of their range."""
     parameters = Parameters.profile("paper", pixel_bits=pixel_bits, gradient="signed", fit=fit)
     patches = [np.random.default_rng(1).integers(0, 2, (5000, 3, 3)) * parameters.response_max]
     for _, image in extremes(pixel_bits):

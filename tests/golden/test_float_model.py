@@ -70,9 +70,7 @@ def test_maps_are_undefined_at_the_edges_only() -> None:
 
 
 def test_edges_at_45_degrees() -> None:
-    """A = 48, B = 64, C = 48 or 0, as the golden model's test works out, but with the root
-    unrounded.
-    """
+    """A = 48, B = 64, C = 48 or 0, as in the golden model's test, with an unrounded root."""
     y, x = np.mgrid[-10:11, -10:11]
     image = (60 + 4 * (y + np.abs(x))).astype(np.uint8)
     assert float_model.response_map(image, "absolute")[10, 10] == pytest.approx(112 - np.sqrt(16**2 + 96**2))
@@ -132,8 +130,7 @@ def test_response_is_within_rounding_for_wide_pixels(
 
 
 def offset_bound(samples: NDArray[np.float64]) -> float:
-    """How far the nine-point peak can move when each sample moves by less than SPREAD, up to a
-    constant.
+    """How far the nine-point peak moves if samples move by less than SPREAD, up to a constant.
 
     With gradient g, Hessian H and peak p of the moved surface, H'(p' - p) = -(dg + dH p). Each
     sample is off by 5/2 at most once the constant is taken away, so |dg| <= sqrt(2)·5/2 by its
@@ -166,9 +163,7 @@ class Pair:
     """Where golden model and reference see a corner: maps of the image's size."""
 
     def both(self) -> Iterator[tuple[int, int, int, int]]:
-        """y and x of each common corner, and its indices in ``golden`` and ``floating``, in raster
-        order.
-        """
+        """y and x of common corners, and their indices in ``golden`` and ``floating``."""
         in_golden, in_floating = (
             mask.cumsum().reshape(mask.shape) - 1 for mask in (self.found, self.expected)
         )

@@ -37,8 +37,7 @@ def test_sobel_is_rounded_to_nearest(image: NDArray[np.uint8]) -> None:
 def test_response_to_rounded_gradients_is_within_bounds(
     image: NDArray[np.uint8], parameters: Parameters
 ) -> None:
-    """√(D/2) is the smallest singular value of the weighted gradients, so it moves by no more than
-    their norm moves.
+    """√(D/2) is a smallest singular value: it moves by no more than the gradients' norm.
 
     Each is off by 1/2 at most, and weights sum to 1.
     """
@@ -70,9 +69,7 @@ def test_filtered_responses_and_what_the_threshold_leaves_of_them(
 
 @pytest.mark.parametrize("name", [name for name in PHOTOGRAPHS if name not in FAINT])
 def test_the_profile_finds_what_float64_finds(name: str) -> None:
-    """Rounded gradients decide a few ties otherwise, no more; common corners have nearly the same
-    response.
-    """
+    """Rounded gradients change only a few ties; common corners have nearly the same response."""
     image, parameters, settings = photograph(name), Parameters.profile("robust"), Settings(sigma1=0.03)
     dref = max(int(response_map(image, parameters).max()), settings.floor)
     one = detect(image, parameters, settings, reference=dref)

@@ -51,9 +51,7 @@ def windows() -> Pixels:
 
 
 def test_sums_by_hand() -> None:
-    """One lone pixel of 10: gx is -10 left of it and 10 right of it, gy above and below, and never
-    both.
-    """
+    """A lone pixel of 10: gx is -10 left and 10 right of it, gy above and below, never both."""
     pixels = np.zeros((1, 9, 9), np.uint8)
     pixels[0, 4 + 1, 4 + 2] = 10
     xx, yy, xy, x, y = (int(value[0]) for value in normal_equations(pixels))
@@ -90,9 +88,7 @@ def test_slanted_saddles_are_found(angle: int) -> None:
 
 
 def test_the_largest_response_is_not_the_corner_of_a_square_but_the_step_leads_there() -> None:
-    """A bright square with its corner at (30.5, 30.5): the paper's peak is more than a pixel
-    inside.
-    """
+    """A bright square's corner at (30.5, 30.5); the paper's peak is more than a pixel inside."""
     y, x = np.mgrid[:64, :64]
     image = (((x > 30) & (y > 30)) * 160 + 40).astype(np.uint8)
     distances = {}
@@ -144,9 +140,7 @@ def test_offsets_are_within_their_bounds_on_photographs() -> None:
 
 
 def test_error_of_photographs_corners() -> None:
-    """Median, 95th and 99th percentile in pixels, of what mantissas cut; 1/256 is what rounding to
-    1/128 can do.
-    """
+    """Median, 95th and 99th percentile in pixels of the mantissas' error; rounding makes 1/256."""
     offset, exact = step(windows()), exact_offsets(normal_equations(windows()), STEP)
     error = np.hypot(offset.dx / 128 - exact.dx, offset.dy / 128 - exact.dy)
     assert np.quantile(error, 0.5) <= 0.0035

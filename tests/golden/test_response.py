@@ -54,9 +54,7 @@ def test_equals_the_formula_in_whole_numbers(data: st.DataObject, a: int, b: int
 
 
 def test_rounding_the_tensor_makes_the_root_at_most_one_too_large() -> None:
-    """All tensors with C² <= AB up to 10, in steps of 1/64 as smoothing leaves them, rounded as it
-    rounds.
-    """
+    """All tensors with C² <= AB up to 10 in steps of 1/64, rounded as smoothing rounds."""
     a, b = np.meshgrid(np.arange(641), np.arange(641))
     c = np.floor(np.sqrt(a * b)).astype(np.int64)
     a, b, c = ((values + 32) >> 6 for values in (a, b, c))

@@ -1,6 +1,4 @@
-"""The model of the video edge: what becomes of each kind of malformed video, by hand and against
-the plain model.
-"""
+"""The model of the video edge: malformed video by hand, and against the plain model."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Adaptation: T1 read off the histogram of any frames, one after the other, at the earliest and
-later.
-"""
+"""Adaptation: T1 from the histogram of any frames, back to back and with pauses."""
 
 from __future__ import annotations
 
@@ -126,8 +124,9 @@ def test_every_edge(parameters: Parameters) -> None:
 @pytest.mark.parametrize("parameters", PARAMETERS, ids=IDS)
 @pytest.mark.parametrize("seed", [None, 1])
 def test_noise(parameters: Parameters, seed: int | None) -> None:
-    """Of every size, so that bins repeat at once and later; frames of no corner and without a
-    target between.
+    """Responses of every size, so that bins repeat at once and later.
+
+    Some frames have no corner, some no target.
     """
     rng = np.random.default_rng(7)
     frames: list[Frame] = []
@@ -153,9 +152,7 @@ def test_any_frames(data: st.DataObject) -> None:
 
 @pytest.mark.parametrize("smoothing", [1, 2, 3])
 def test_smoothing(smoothing: int) -> None:
-    """Up and down between two scenes; a first frame is taken as it is, also behind one without a
-    target.
-    """
+    """Two scenes in turn; a first frame is taken unsmoothed, also after one without a target."""
     p = PARAMETERS[1]
     bright, dark = np.array([p.response_max, 90_000, 500]), np.array([700, 300, 8])
     frames = [(scene, target) for target in (2, 0, 2) for scene in (dark, bright, bright, dark, dark)]

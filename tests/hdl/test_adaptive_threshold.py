@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Adaptive threshold: S less the weighted local level against T1, with and without the response
-filter.
-"""
+"""Adaptive threshold: S less the weighted local level, with and without response filter."""
 
 from __future__ import annotations
 
@@ -140,9 +138,7 @@ def check(
 
 
 def between(frame: Array, kind: ResponseFilter, weight: int) -> int:
-    """A T that occurs in the frame, where it is not negative in the middle of them all: the
-    comparison is exact.
-    """
+    """T1 is a T from the middle of the frame's, so that the comparison is exact."""
     left = np.sort(prominence(*peaks_and_windows(frame, kind), weight), axis=None)
     return max(0, int(left[3 * len(left) // 4]))
 
@@ -159,7 +155,7 @@ def test_noise(kind: ResponseFilter, name: EngineName, stalls: Stalls) -> None:
 
 @pytest.mark.parametrize("radius", [2, 3])
 def test_centres_of_more_rows(radius: int) -> None:
-    """Of as many as a larger radius of suppression needs; they come so much later."""
+    """Columns as a larger radius of suppression needs them, which come later."""
     frames = noise([(25, 30), (9, 9), (14, 9)], FULL)
     limits = [(between(frame, "binomial", 4), 4) for frame in frames]
     changes = {"fit": "gradient", "suppression": radius}
@@ -181,9 +177,7 @@ def test_around_every_value_that_is_left(kind: ResponseFilter, weight: int) -> N
 
 @both
 def test_every_place_of_the_window(kind: ResponseFilter) -> None:
-    """A lone response in each of the 81 places counts once, also where the window before and after
-    has it.
-    """
+    """A lone response in each of the 81 places counts once, also in neighbouring windows."""
     frames = []
     for place in range(81):
         lone = np.where(np.arange(81).reshape(9, 9) == place, FULL, 0)
@@ -203,9 +197,7 @@ def test_extremes(kind: ResponseFilter, pixel_bits: int) -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """1000 in the middle, 5400 elsewhere: L = 100. With a weight of 4 eighths 950 is left, which is
-    not above 950.
-    """
+    """1000 amid 5400: L = 100. A weight of 4 eighths leaves 950, which is not above 950."""
     frame = np.zeros((9, 9), np.int64)
     frame[4, 4], frame[0, 8] = 1000, 5400
     capture = check("none", [frame] * 4, [(950, 4), (950, 4), (949, 4), (999, 0)], name)
@@ -220,9 +212,7 @@ def test_by_hand(name: EngineName) -> None:
 def test_each_result_has_its_own_frames_threshold(
     kind: ResponseFilter, name: EngineName, stalls: Stalls
 ) -> None:
-    """Frames of one window, back to back: neither the next T1 nor the next weight must come too
-    soon.
-    """
+    """Frames of one window, back to back: the next T1 and weight must not come too soon."""
     frames = noise([(9, 9)] * 12, FULL, 5)
     check(kind, frames, [(0, 0), (FULL, 0), (0, 15), (0, 1)] * 3, name, stalls)
 

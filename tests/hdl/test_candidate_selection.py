@@ -53,8 +53,7 @@ PENDING = CANDIDATES + INSIDE
 
 
 class InStep(wiring.Component):
-    """The selection as the blocks before it feed it: all of a centre in one clock, a clock at least
-    between frames.
+    """The selection with all inputs of a centre in one clock, and a clock between frames.
 
     ``broken`` says that its three inputs were not ready together.
     """
@@ -123,9 +122,7 @@ def centres(sizes: list[Size], chances: tuple[float, float, float]) -> dict[str,
 
 
 def wanted(sizes: list[Size], centre: dict[str, Any]) -> tuple[Array, Words, Words]:
-    """Numbers of the centres that are candidates; their surfaces, and all pending records, the
-    frames' ends among them.
-    """
+    """Numbers of the candidates' centres, their surfaces, and all pending records with ends."""
     chosen = np.flatnonzero(centre["corner"] & centre["keep"])
     surfaces = pack(SURFACE, {name: values[chosen] for name, values in centre["surface"].items()})
     x = np.concatenate([np.tile(np.arange(width), height) for height, width in sizes]) + MARGIN
@@ -201,18 +198,14 @@ def test_places_to_the_built_maximum() -> None:
     "stalls", [Stalls(outputs=p, seed=s) for s, p in enumerate((0.5, 0.9, 0.98))], ids=str
 )
 def test_full_queues_lose_nothing(chances: tuple[float, float, float], stalls: Stalls) -> None:
-    """Far more candidates than are taken, in frames of every small size: ends meet queues of every
-    filling.
-    """
+    """More candidates than are taken, in all small frames: ends meet queues of every filling."""
     sizes = [(1, 1)] * 60 + [(1, width) for width in range(1, 40)] + [(2, 9)] * 30
     check(sizes, stalls=stalls, chances=chances)
 
 
 @pytest.mark.parametrize("sink", ["candidate", "pending"])
 def test_a_blocked_output_stops_the_input_and_not_the_other_output(sink: str) -> None:
-    """It goes on until the queue is nearly full, and what has gone in by then comes out on the
-    other side.
-    """
+    """It goes on until the queue is nearly full, and everything that went in comes out."""
     dut = InStep()
     depth = {"candidate": CANDIDATES, "pending": PENDING}[sink]
     other = dut.pending if sink == "candidate" else dut.candidate
@@ -250,9 +243,7 @@ def test_latency() -> None:
 @pytest.mark.parametrize("most", [0, 1, 5, 17, 1000])
 @pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(0.2, 0.9, 3)], ids=["flowing", "stalled"])
 def test_limit(most: int, stalls: Stalls) -> None:
-    """Each frame's first, up to so many that are not textured; an end's x and y are the number of
-    all there were.
-    """
+    """The first untextured ones of each frame; an end's x and y are the number of all."""
     sizes = [(12, 20), (9, 9), (1, 30), (30, 25)]
     centre = centres(sizes, (0.3, 0.4, 0.7))
     # not two in two clocks, which cannot be

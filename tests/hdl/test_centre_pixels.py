@@ -28,9 +28,7 @@ BEAT = Beat(data.StructLayout({"a": products_layout(Build.profile("paper"))["a"]
 
 
 class Beside(wiring.Component):
-    """Centre pixels beside preprocessing and convolution; of these only A, to see that all keep
-    together.
-    """
+    """Centre pixels beside preprocessing and convolution, with A to show that both keep step."""
 
     def __init__(self) -> None:
         super().__init__(

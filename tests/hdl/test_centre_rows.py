@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Centre rows: the middle rows of nine, three columns late, without the columns that no window is
-centred next to.
-"""
+"""Centre rows: the middle rows of nine, three columns late, without a row's outer columns."""
 
 from __future__ import annotations
 

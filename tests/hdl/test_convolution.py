@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Convolution: smoothed products of squares against the golden model, every tap, exact rounding of
-both signs.
-"""
+"""Convolution: smoothed products against the golden model, every tap, exact rounding."""
 
 from __future__ import annotations
 
@@ -94,9 +92,7 @@ def test_extremes(gradient: Gradient, pixel_bits: int) -> None:
 
 @pytest.mark.parametrize("gradient", GRADIENTS)
 def test_every_tap(gradient: Gradient) -> None:
-    """A lone product of 64 in each of the 25 places shows the kernel itself, as printed in Eq. 1
-    times 64.
-    """
+    """A lone product of 64 in each of 25 places shows the kernel, which is Eq. 1 times 64."""
     place = [np.arange(25).reshape(5, 5) == k for k in range(25)]
     assert KERNEL.sum() == 64
     taps = np.array([1, 2, 2, 2, 1, 2, 4, 4, 4, 2, 2, 4, 4, 4, 2, 2, 4, 4, 4, 2, 1, 2, 2, 2, 1])
@@ -111,9 +107,7 @@ def test_every_tap(gradient: Gradient) -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_halves_round_away_from_zero(name: EngineName) -> None:
-    """4 times the centre over 64: 8 gives one half, 7 less, 9 more, and likewise 24, 23 and 25
-    around 1.5.
-    """
+    """4 times the centre over 64: 8 gives one half; likewise 24 gives 1.5; and around both."""
     centres = [7, 8, 9, 23, 24, 25, -7, -8, -9, -23, -24, -25, 0]
     rounded = [0, 1, 1, 1, 2, 2, 0, -1, -1, -1, -2, -2, 0]
     parameters = Build.profile("paper", gradient="signed")

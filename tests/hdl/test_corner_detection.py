@@ -79,9 +79,7 @@ def test_extremes(ties: Ties, pixel_bits: int) -> None:
 @pytest.mark.parametrize("ties", TIES)
 @pytest.mark.parametrize("name", ENGINES)
 def test_each_neighbour(ties: Ties, name: EngineName) -> None:
-    """A lone peak of 10 with one neighbour of 9, 10 or 11, in each of the eight places; T1 at 9 and
-    10.
-    """
+    """A lone peak of 10 with a neighbour of 9, 10 or 11 in each place; T1 is 9 and 10."""
     frames, t1, expected = [], [], []
     for place in (0, 1, 2, 3, 5, 6, 7, 8):
         for neighbour, limit in ((9, 9), (10, 9), (11, 9), (9, 10)):
@@ -97,9 +95,7 @@ def test_each_neighbour(ties: Ties, name: EngineName) -> None:
 
 @pytest.mark.parametrize("ties", TIES)
 def test_every_pattern_of_ties(ties: Ties) -> None:
-    """The centre against eight neighbours, each one less, equal, or one more, at both ends of the
-    range.
-    """
+    """The centre against neighbours one less, equal or one more, at both ends of the range."""
     steps = np.array(np.unravel_index(np.arange(3**8), (3,) * 8)).T - 1
     for centre in (1, FULL - 1):
         patches = np.insert(centre + steps, 4, centre, axis=1).reshape(-1, 3, 3)

@@ -123,9 +123,7 @@ def noise(height: int, width: int, seed: int, parameters: Parameters = PAPER) ->
 
 
 def noisy(parameters: Parameters, sizes: list[tuple[int, int]], seed: int = 0) -> list[Frame]:
-    """Frames of noise of these (height, width), each from the next seed, with both kinds of
-    corners.
-    """
+    """Frames of noise of these (height, width), each from the next seed; with both flags."""
     each = both_kinds(parameters)
     return [(noise(*size, seed + k, parameters), each) for k, size in enumerate(sizes)]
 
@@ -222,9 +220,7 @@ def test_one_pixel_per_clock(parameters: Parameters, size: tuple[int, int]) -> N
 
 @mixtures
 def test_black_and_white_noise_does_not_wait(parameters: Parameters) -> None:
-    """Denser than corners come in nature: one in about 31 pixels, or 50 where responses are
-    smoothed.
-    """
+    """Denser than natural images: one corner in about 31 pixels, or in 50 if smoothed."""
     frames = [
         ((noise(64, 64, seed, parameters) > parameters.pixel_max // 2) * parameters.pixel_max).astype(
             noise(1, 1, 0, parameters).dtype

@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""What the detector is made of: latencies that fit each other, no multiplier, and what cannot be
-built.
-"""
+"""Structure of the detector: latencies, no multiplier, and builds that are refused."""
 
 from __future__ import annotations
 
@@ -39,7 +37,7 @@ def test_what_moves_in_step_is_equally_long(parameters: Parameters) -> None:
 
 @pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
 def test_thresholds_are_there_before_the_first_column(parameters: Parameters) -> None:
-    """Of the smallest frame, whose rows lose two columns to the gradients and four to smoothing."""
+    """The smallest frame's rows lose two columns to the gradients and four to smoothing."""
     assert Thresholds(parameters).clocks < (WINDOW_SIZE - 1) * (SUPPORT - 6)
 
 

@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Divider: every pair of narrow operands, wide ones around every step of the result, and clocks
-between the bits.
-"""
+"""Divider: all pairs of narrow operands, wide ones around every step, pauses between bits."""
 
 from __future__ import annotations
 
@@ -29,9 +27,7 @@ Int64 = NDArray[np.int64]
 
 
 class Dividing(wiring.Component):
-    """The divider as a stream: one quotient after the other, a bit in every clock that the sink is
-    ready.
-    """
+    """The divider as a stream: a bit in every clock in which the sink is ready."""
 
     latency = QUOTIENT_BITS + 1
 
@@ -84,9 +80,7 @@ def check(
 
 
 def operands(bits: int, count: int, seed: int = 0) -> tuple[Int64, Int64]:
-    """Divisors of every length; dividends below, around and far above their half, and around every
-    step.
-    """
+    """Divisors of every length; dividends around half of them, around every step, and above."""
     rng = np.random.default_rng([bits, seed])
     length = rng.integers(1, bits + 1, count)
     denominator = (1 << (length - 1)) + rng.integers(0, 1 << (length - 1))
@@ -121,7 +115,7 @@ def test_every_pair(bits: int) -> None:
 
 @pytest.mark.parametrize("denominator", [1 << 16, (1 << 17) - 1, 99_991])
 def test_every_dividend(denominator: int) -> None:
-    """Of the width that is used: all up to more than half of a wide divisor."""
+    """Operands of the used width: all up to more than half of a wide divisor."""
     numerator = np.arange(denominator // 2 + 3)
     check(USED, numerator, np.full_like(numerator, denominator))
 

@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Frame control: rows and frames out of a bare stream of pixels, and what each frame is processed
-with.
-"""
+"""Frame control: rows and frames from a bare stream of pixels, and settings per frame."""
 
 from __future__ import annotations
 
@@ -57,9 +55,7 @@ def check(
     *,
     meddle: bool = False,
 ) -> Capture:
-    """Frames of the size asked for, or the nearest allowed; ``meddle``: all inputs change after the
-    first pixel.
-    """
+    """Frames of the nearest allowed size; ``meddle``: inputs change after the first pixel."""
     rng = np.random.default_rng(len(asked))
     frames = noise([clamped(size, parameters) for size in asked], parameters.pixel_max)
     latched = rng.integers(0, 1 << SETTINGS_BITS, len(asked)).tolist()

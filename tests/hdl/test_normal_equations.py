@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Normal equations of the gradient step against the golden model, behind preprocessing, every pixel
-width.
-"""
+"""Normal equations behind preprocessing against the golden model, for every pixel width."""
 
 from __future__ import annotations
 
@@ -99,9 +97,7 @@ def test_photograph() -> None:
 
 
 def test_formats_hold_what_the_formulas_can_give() -> None:
-    """The bound of x and of y is reached with gradients that all point away from, or to, the lines
-    u = ±v.
-    """
+    """Gradients that point away from, or to, the lines u = ±v reach the bound of x and y."""
     u, v = np.meshgrid(np.arange(-3, 4), np.arange(-3, 4))
     assert int((np.abs(u) + np.abs(v)).sum()) == LARGEST
     assert largest(STEP).bit_length() == derivative_bits(STEP)

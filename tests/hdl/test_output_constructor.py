@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Output constructor: records of corners and of frame ends, bit by bit what the golden model
-encodes.
-"""
+"""Output constructor: records of corners and of frame ends equal the golden model's."""
 
 from __future__ import annotations
 
@@ -88,9 +86,7 @@ def test_frame_numbers_wrap_and_counts_are_long() -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """A rejected corner at (10 + 1/2, 20 - 1/128) whose fit was clamped, D = 300; then the frame's
-    end.
-    """
+    """A rejected, clamped corner at (10 + 1/2, 20 - 1/128), D = 300; then the frame's end."""
     pending = {"x": [10, 0], "y": [20, 0], "response": [300, 5000], "textured": [1, 0], "end": [0, 1]}
     offset = {"dx": [64], "dy": [-1], "clamped": [1], "not_maximum": [0]}
     corner = 1344 | 2559 << 20 | 300 << 40 | 0b101 << 61

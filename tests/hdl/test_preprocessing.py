@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Preprocessing: sizes of gradients against the golden model, every kind of gradients, every pixel
-width.
-"""
+"""Preprocessing: sizes of gradients against the golden model, all kinds and pixel widths."""
 
 from __future__ import annotations
 
@@ -71,9 +69,7 @@ def test_sizes(gradient: Gradient, derivative: Derivative, name: EngineName, sta
 )
 @pytest.mark.parametrize("gradient", GRADIENTS)
 def test_extremes(gradient: Gradient, derivative: Derivative, pixel_bits: int) -> None:
-    """Of all pixel widths; every size reaches the end of its format, but that of a difference with
-    Sobel.
-    """
+    """All pixel widths; sizes reach the end of their format, except a difference with Sobel."""
     parameters = Build.profile("paper", gradient=gradient, derivative=derivative, pixel_bits=pixel_bits)
     frames = extremes((12, 14), parameters.pixel_max, dtype=np.uint16)
     frames += noise([(90, 120)], parameters.pixel_max, 1, dtype=np.uint16)
@@ -105,9 +101,7 @@ def test_by_hand(gradient: Gradient, first: int, name: EngineName) -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_sobel_rounds_halves_away_from_zero(name: EngineName) -> None:
-    """One pixel of 0 to 8 at the upper left, and the same upside down: quarters and halves of
-    either sign.
-    """
+    """A pixel of 0 to 8 at the upper left, and upside down: quarters and halves of either sign."""
     frames = []
     for value in range(9):
         frame = np.zeros((8, 4), np.uint8)

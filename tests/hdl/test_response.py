@@ -74,8 +74,7 @@ def test_extremes(parameters: Parameters) -> None:
 @given(data=st.data())
 @settings(max_examples=30)
 def test_any_tensor(parameters: Parameters, data: st.DataObject) -> None:
-    """Tensors up to the ends of the format, C up to the root of AB, half of them with C at that
-    root.
+    """Tensors up to the ends of the format, C up to the root of AB, half of them at it.
 
     Of absolute gradients C is not so small that A + B - 2C exceeds the response's full scale.
     """
@@ -92,9 +91,7 @@ def test_any_tensor(parameters: Parameters, data: st.DataObject) -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """Roots of 0, 5, 8, 25, 2 and of full scale; the fourth and fifth exceed A + B, so D is
-    clamped.
-    """
+    """Roots of 0, 5, 8, 25, 2 and of full scale; two of them exceed A + B, so D is clamped."""
     full, half = ABSOLUTE.product_max, ABSOLUTE.response_max // 2
     tensors = [(10, 10, 0, 20), (8, 3, 0, 6), (9, 6, 4, 7), (10, 3, 12, 0), (1, 0, 1, 0)]
     tensors += [(half, half, 0, 2 * half), (full, full, full, 0), (full, 0, 0, 0), (0, 0, 0, 0)]
@@ -114,17 +111,13 @@ def test_every_pixel_width(gradient: Gradient, bits: int) -> None:
 
 
 def test_latency() -> None:
-    """A - B, sizes, their halves' difference, look-up 2, sum, radicand; root 17, or in steps of
-    three bits 6; D.
-    """
+    """A - B, sizes, difference of halves, look-up 2, sum, radicand; root 17, or 6 for 3 bits; D."""
     assert Response(ABSOLUTE).latency == 7 + 17 + 1
     assert Response(SIGNED).latency == 7 + 6 + 1
 
 
 def test_memory_bits() -> None:
-    """Tables of 256 and of 512 squares without their two low bits, and what waits beside and in the
-    root.
-    """
+    """Tables of 256 and 512 squares without two low bits, and the delay lines."""
     tables = 14 * (2 * 256 + 512)
     wait, radicand = 19 * (23 - 2), 2 * (10 * 2 + 14 * 3)
     assert Response(ABSOLUTE).memory_bits == tables + wait + radicand

@@ -67,9 +67,7 @@ def test_extremes(pixel_bits: int) -> None:
 
 
 def test_every_remainder_is_rounded() -> None:
-    """One response of 0 to 31 in a corner of the smoothed window, weight 1; in its middle, weight
-    4.
-    """
+    """One response of 0 to 31 in the window's corner, weight 1, and in its middle, weight 4."""
     frames = []
     for value in range(32):
         for place in (3, 4):
@@ -81,9 +79,7 @@ def test_every_remainder_is_rounded() -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """160 in the middle counts 4, 2 and 1 sixteenths; so does 16, a row above and a column to the
-    right.
-    """
+    """160 counts 4, 2 and 1 sixteenths; so does 16, a row above and a column to the right."""
     frame = np.zeros((9, 9), np.int64)
     frame[4, 4], frame[3, 5] = 160, 16
     layout = ResponseFilter(SIGNED).o.payload.shape()

@@ -26,9 +26,7 @@ WIDEST = 21
 
 
 class Roots(wiring.Component):
-    """Square roots of many shapes on the low bits of one radicand, in step, so that one compilation
-    does.
-    """
+    """Square roots of many shapes on one radicand's low bits, in step: one compilation for all."""
 
     latency = WIDEST
 

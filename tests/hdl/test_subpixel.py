@@ -155,9 +155,7 @@ def test_extremes(fit: Fit, pixel_bits: int) -> None:
 @with_step
 @every_width
 def test_any_derivatives(fit: Fit, pixel_bits: int) -> None:
-    """Also such as no patch has: each of the five at its ends, around 0, and of every length, by
-    itself.
-    """
+    """Values that no patch has: each of the five at its ends, around 0, and of every length."""
     parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
     rng = np.random.default_rng(pixel_bits)
     values = []
@@ -182,8 +180,7 @@ def test_any_derivatives(fit: Fit, pixel_bits: int) -> None:
 @every_fit
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(fit: Fit, name: EngineName) -> None:
-    """The peak of 4000 - 1000 x² - 1500 y² + 200 xy + 640 x - 660 y is at (0.3, -0.2): 38.4 and
-    -25.6 of 128.
+    """4000 - 1000x² - 1500y² + 200xy + 640x - 660y peaks at (0.3, -0.2): 38.4 and -25.6 of 128.
 
     With -200 xy and +660 y it is at (0.3, 0.2).
     """
@@ -214,7 +211,7 @@ def test_lone_candidates(fit: Fit) -> None:
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 def test_gradient_steps(name: EngineName, stalls: Stalls) -> None:
-    """Of windows with every kind of corner, at every contrast."""
+    """Windows with every kind of corner, at every contrast."""
     rng = np.random.default_rng(4)
     count = 4000 if name == "compiled" else 60
     contrast = rng.integers(1, 255, (count, 1, 1), endpoint=True)
@@ -245,9 +242,7 @@ def test_latency_of_the_gradient_step() -> None:
 @every_fit
 @every_width
 def test_latency(fit: Fit, pixel_bits: int) -> None:
-    """A clock for every bit cut in the first stage, one more than bits in the second, and one to
-    move on.
-    """
+    """A clock per cut bit in the first stage, bits and one in the second, and one to move on."""
     parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
     block = Subpixel(parameters)
     assert block.interval == 1 + max(derivative_bits(parameters) - 10, 12)

@@ -87,9 +87,7 @@ def test_around_every_tau(patches: Patches) -> None:
 
 @both
 def test_every_place_of_the_window(patches: Patches) -> None:
-    """A lone response in each of the 81 places, T2 at its tau and above it, and at every multiple
-    it may have.
-    """
+    """A lone response in each of 81 places, with T2 at its tau, above it, and at all multiples."""
     frames, t2 = [], []
     for place in range(81):
         frame = np.where(np.arange(81).reshape(9, 9) == place, FULL, 0)
@@ -127,9 +125,7 @@ def test_by_hand(name: EngineName) -> None:
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 @both
 def test_each_result_has_its_own_frames_threshold(patches: Patches, name: EngineName, stalls: Stalls) -> None:
-    """Frames of one window, back to back, none textured but with T2 of 0: the next T2 must not come
-    too soon.
-    """
+    """Frames of one window, back to back: the next T2 must not come too soon."""
     parameters = Build.profile("paper", patches=patches)
     beyond = 16 * parameters.pixels_per_region * parameters.response_max - 1
     check(patches, noise([(9, 9)] * 12, FULL, 5), [0, beyond, beyond, 0] * 3, name, stalls)

@@ -74,7 +74,7 @@ def budget_fields(parameters: Parameters, settings: list[Settings]) -> dict[str,
 def limits(
     frames: list[Frame], parameters: Parameters, adapted: int | None = None
 ) -> list[golden.Thresholds]:
-    """Of frames whose largest response is always :data:`LARGEST`."""
+    """Frames whose largest response is always :data:`LARGEST`."""
     previous: int | None = None
     result = []
     for _, settings in frames:
@@ -156,9 +156,7 @@ def test_extremes(parameters: Parameters) -> None:
 @pytest.mark.parametrize("name", ENGINES)
 @pytest.mark.parametrize("adapted", [None, 0, 3, 700, FULL])
 def test_adapted(adapted: int | None, name: EngineName) -> None:
-    """T1 where there is a target, but no less than sigma1 · floor, and T2 is as ever; Dref where
-    there is a rank.
-    """
+    """T1 with a target, at least sigma1 · floor, and T2 as usual; Dref with a rank."""
     settings = Settings(sigma1=0.01, floor=500)
     kinds = [
         replace(settings, target_corners=target, max_corners=most, sigma1=sigma1, reference_rank=rank)
@@ -233,9 +231,7 @@ def test_any_frames(data: st.DataObject) -> None:
 
 
 def test_the_next_frame_waits_until_the_thresholds_are_taken() -> None:
-    """Thresholds of the first frame are left alone: all of it passes, the second does not begin,
-    none is lost.
-    """
+    """Thresholds of the first frame are not taken: it passes, the second waits, none is lost."""
     dut = Thresholds(PARAMETERS)
     frames = some_frames([(3, 12), (3, 12)])
     beats = pack_samples(dut.i.payload.shape(), raster([responses for responses, _ in frames])).tolist()
@@ -278,9 +274,7 @@ def test_the_next_frame_waits_until_the_thresholds_are_taken() -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_weight_of_the_local_level(name: EngineName) -> None:
-    """With an adaptive threshold T2 is sigma2 in eighths, at most 15 of them, whatever the
-    responses.
-    """
+    """With an adaptive threshold T2 is sigma2 in eighths, at most 15, for any responses."""
     sigmas = (0, 0.1249, 0.125, 0.5, 1.874, 1.875, 1.999, 2, 3.5, 4, 8, 15.99)
     frames = noise([(1, 30)] * len(sigmas), MEAN.response_max, 3)
     given = [(frame, Settings(sigma1=0.1, sigma2=s)) for frame, s in zip(frames, sigmas, strict=True)]

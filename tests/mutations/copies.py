@@ -57,19 +57,17 @@ def copy_sources(folder: Path) -> None:
 
 
 def change(path: Path, text: str) -> None:
-    """Make a source another one, whatever time it is and however long: what was compiled of it
-    goes.
-    """
+    """Replace a source, and remove its compiled file, which could still look valid."""
     path.write_text(text, encoding="utf-8")
     for compiled in path.parent.glob(f"__pycache__/{path.stem}.*"):
         compiled.unlink()
 
 
 def run_tests(folder: Path, files: list[str], only: str = "") -> tuple[int | None, str]:
-    """pytest in the copy, on the copy's modules: its exit code, and all that it said.
+    """pytest in the copy, on the copy's modules: its exit code, and its output.
 
-    The process is a fork of one that has imported what others wrote, which takes longer than most of
-    these tests. It ends with the process that has asked for it.
+    The process is a fork of one that has imported the other packages, because importing them takes
+    longer than most of these tests. It ends with the process that has asked for it.
     """
     options = ["-x", "-q", "-p", "no:cacheprovider", *PLUGINS, *(["-k", only] if only else [])]
     output = folder / "output.txt"

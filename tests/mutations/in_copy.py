@@ -1,7 +1,7 @@
 """Runs pytest in a copy of the sources; for ``runpy``, which gives it FOLDER, OUTPUT and ARGUMENTS.
 
-It is no module of the project's, so that a process that runs it has imported none of them, and takes
-all of them from the copy.
+It is not a module of the project, so that a process that runs it has imported none of them, and
+takes all of them from the copy.
 """
 
 from __future__ import annotations

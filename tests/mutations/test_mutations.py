@@ -1,6 +1,4 @@
-"""Does the suite notice? One line of a copy of the sources is made wrong, and the tests of that
-place must fail.
-"""
+"""Does the suite notice? A line in a copy of the sources is made wrong, and its tests fail."""
 
 from __future__ import annotations
 

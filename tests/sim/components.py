@@ -1,6 +1,4 @@
-"""Small components that exercise the engines: well-behaved ones, and some that are broken on
-purpose.
-"""
+"""Small components for the engines: correct ones, and some that are broken on purpose."""
 
 from __future__ import annotations
 
@@ -156,9 +154,7 @@ class Generator(wiring.Component):
 
 
 class Impatient(wiring.Component):
-    """Breaks the rules: with ``change`` it alters a waiting payload, without it withdraws valid
-    after a clock.
-    """
+    """Breaks the rules: it changes a waiting payload (``change``), or withdraws valid."""
 
     def __init__(self) -> None:
         super().__init__(

@@ -1,6 +1,4 @@
-"""Where simulators are kept: whose folder, that a damaged one is built anew, and that builders do
-not meet.
-"""
+"""The cache of simulators: its folder, damaged entries, and builders at the same time."""
 
 from __future__ import annotations
 

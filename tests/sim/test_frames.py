@@ -40,9 +40,7 @@ def images(*sizes: tuple[int, int]) -> list[np.ndarray]:
 
 
 class Paper:
-    """Engine that answers every stimulus with given records, one per clock, and takes a pixel per
-    clock.
-    """
+    """Engine with given records, one per clock, that takes a pixel per clock."""
 
     name = "paper"
     ports = Ports((), (), ())

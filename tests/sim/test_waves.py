@@ -68,9 +68,7 @@ def test_save_file_shows_the_handshakes_first(
 
 
 def listed(path: Path) -> dict[tuple[str, str], tuple[str, slice]]:
-    """Per group and trace of a save file: the signal, and the bits that are shown, counted from the
-    left.
-    """
+    """Per group and trace of a save file: the signal, and the bits, counted from the left."""
     traces: dict[tuple[str, str], tuple[str, slice]] = {}
     group = ""
     for line in path.read_text().splitlines():

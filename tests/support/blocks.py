@@ -1,6 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""What the tests of the hardware blocks share: packing, rasters, running a block, and what every
-block keeps.
+"""Shared by tests of hardware blocks: packing, rasters, running, and rules for all blocks.
 
 Most tests of a block are one call of :func:`check_block`. Below it, a block's stimulus and its
 expected outputs are dictionaries from stream name to beats, as :class:`sim.stimulus.Stimulus` takes
@@ -99,9 +98,7 @@ def pack(shape: Any, value: Any) -> Words:
 
 
 def pack_samples(shape: Any, beats: dict[str, Any], name: str = "response") -> Words:
-    """Beats or columns of numbers as ``shape`` has them, in whose samples they are the members of
-    this name; what else a sample has is noise.
-    """
+    """Beats or columns with numbers in the members of this name; other members are noise."""
     values, sample = beats["data"], shape["data"].shape
     if isinstance(sample, data.ArrayLayout):
         sample = sample.elem_shape
@@ -139,9 +136,7 @@ def unpack(shape: Any, words: Words, at: int = 0) -> Any:
 
 
 def tags(sizes: list[Size]) -> dict[str, Array]:
-    """``eol`` and ``eof`` of frames of these (height, width), one after the other; empty ones have
-    no beats.
-    """
+    """``eol`` and ``eof`` of frames of these (height, width); empty ones have no beats."""
     eol, eof = [], []
     for height, width in sizes:
         ends = np.zeros((max(height, 0), max(width, 0)), np.int64)
@@ -154,8 +149,7 @@ def tags(sizes: list[Size]) -> dict[str, Array]:
 
 
 def raster(frames: list[Array], members: Sequence[str] = ()) -> dict[str, Any]:
-    """Fields of a ``Beat`` for each value of these (height, width, ...) frames, one after the
-    other.
+    """Fields of a ``Beat`` for each value of these (height, width, ...) frames, in order.
 
     ``members``: names of what lies along the frames' third axis.
     """
@@ -176,9 +170,7 @@ def columns(frames: list[Array], rows: int, members: Sequence[str] = ()) -> dict
 
 
 def completing(sizes: list[Size], window: int) -> Array:
-    """Numbers of the beats, of frames of these sizes, with which a window of so many columns is
-    complete.
-    """
+    """Numbers of the beats that complete a window of so many columns, in frames of these sizes."""
     numbers, start = [], 0
     for height, width in sizes:
         frame = start + np.arange(height * width).reshape(height, width)
@@ -196,9 +188,7 @@ def noise(
 
 
 def extremes(size: Size, largest: int, smallest: int = 0, dtype: type = np.int64) -> list[Array]:
-    """Frames of nothing but the two bounds: flat, checkerboards, stripes both ways, coin tosses,
-    lone values.
-    """
+    """Frames of the two bounds: flat, checkerboards, stripes, coin tosses, lone values."""
     y, x = np.mgrid[: size[0], : size[1]]
     choices = [0 * x, 0 * x + 1]
     choices += [(x // n + y // n) % 2 for n in (1, 2, 3)]
@@ -270,8 +260,7 @@ def check_block(
     levels: list[tuple[int, dict[str, int]]] | None = None,
     held: Mapping[str, str] | None = None,
 ) -> Capture:
-    """Compare every output beat of a block with what is expected, under these stalls, and the clock
-    in which it comes.
+    """Compare every output beat of a block, and its clock, under these stalls.
 
     Without stalls every beat of ``o`` must come exactly so late after the beat of ``i`` that
     completes it as the block says, and ``i`` must never wait.
@@ -319,8 +308,7 @@ def run(
     levels: list[tuple[int, dict[str, int]]] | None = None,
     clocks: int = 1,
 ) -> Capture:
-    """Run and compare every output stream with what is expected, beat by beat, and that all inputs
-    were taken.
+    """Run, compare every output stream beat by beat, and check that all inputs were taken.
 
     ``clocks``: how many the block needs for a beat.
     """
@@ -352,9 +340,7 @@ def _hex(word: Any) -> str:
 
 
 def latency(capture: Capture, beats: Array | None = None, *, i: str = "i", o: str = "o") -> Array:
-    """Clocks from input to output beat; ``beats`` are the inputs' numbers that the outputs belong
-    to.
-    """
+    """Clocks from input to output beat; ``beats`` are the inputs' numbers of the outputs."""
     accepted = capture.input_clocks[i]
     return capture.output_clocks[o] - (accepted if beats is None else accepted[beats])
 
@@ -368,9 +354,7 @@ def assert_timing(
     o: str = "o",
     clocks: int = 1,
 ) -> None:
-    """Every output beat exactly so long after its input beat; an input beat every ``clocks``
-    clocks.
-    """
+    """Every output beat comes so long after its input beat; inputs come every ``clocks`` clocks."""
     got = latency(capture, beats, i=i, o=o)
     assert len(got) and (got == expected).all(), f"latency {got.min()} to {got.max()}, expected {expected}"
     steps = np.diff(capture.input_clocks[i])

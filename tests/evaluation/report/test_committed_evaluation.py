@@ -66,9 +66,7 @@ def test_pictures_of_the_page_are_there_and_small() -> None:
 
 @pytest.mark.parametrize("name", PROFILES)
 def test_table_5_is_that_of_this_detector(name: str) -> None:
-    """Measured anew, in whole and exact numbers: a change of the golden model must not leave the
-    page behind.
-    """
+    """Whole and exact numbers, measured again: the page must follow the golden model."""
     parameters = Parameters.profile(name)
     outcome = Outcome()
     for each in paper_scenes():

@@ -1,6 +1,4 @@
-"""``cornerstream eval --quick`` as it is, on what the packages ship: the figures that profile
-robust is there for.
-"""
+"""``cornerstream eval --quick`` on packaged data: the figures that ``robust`` exists for."""
 
 from __future__ import annotations
 

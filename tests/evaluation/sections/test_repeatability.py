@@ -40,9 +40,7 @@ def test_identical_images(camera: NDArray[np.uint8]) -> None:
 
 
 def test_a_shift_by_whole_pixels_loses_nothing_that_both_can_show(camera: NDArray[np.uint8]) -> None:
-    """The crop's own largest D is the image's, so thresholds are the same; positions follow
-    exactly.
-    """
+    """The crop has the image's largest D, so thresholds are equal; positions follow exactly."""
     shifted = pair(camera[:300, :300], camera[12:312, 20:320], SHIFT)
     ours = [each for each in ALL if each.name == "paper" + WITHOUT]
     (score,) = scores([shifted], ours, EQUAL, DetectionCache())["paper" + WITHOUT]

@@ -1,6 +1,4 @@
-"""Memories become blocks of RAM, output registers and second ports included, and deliver the same
-words.
-"""
+"""Memories become block RAM with output registers and second ports, with the same words."""
 
 from __future__ import annotations
 
@@ -35,9 +33,7 @@ Build = Callable[[Module, Any], Values]
 
 
 class Bench(wiring.Component):
-    """Memories that obey commands. What they deliver is the output's payload, and changes with
-    beats only.
-    """
+    """Memories that obey commands; the output's payload is their data, and changes with beats."""
 
     def __init__(self, width: int, build: Build) -> None:
         self._build = build
@@ -95,9 +91,7 @@ def register(m: Module, value: Any, enable: Any = None, **kind: Any) -> Signal:
 
 
 def commands(count: int = 1500) -> NDArray[np.uint64]:
-    """Random ones, to eight addresses in all memories, so that words are read back, often while
-    they are written.
-    """
+    """Random commands to eight addresses, so that words are read back, often during a write."""
     random = np.random.default_rng(5)
     places = np.array([0, 1, 5, 255, 256, 511, 1100, 7244], dtype=np.uint64)
     fields = {
@@ -128,9 +122,7 @@ def mapped(folder: Path, width: int, build: Build) -> tuple[Area, str, bool]:
 
 
 def with_output_registers(m: Module, c: Any) -> Values:
-    """Every width of the block, one memory deeper than wide, one split over several; each with its
-    register.
-    """
+    """Every width of the block, a deep memory, a wide one over several blocks; with registers."""
     sizes = [(1, 8192), (2, 4096), (4, 2048), (9, 1024), (18, 512), (36, 256), (10, 1200), (40, 256)]
     return [register(m, ram(m, c, *size), c.move) for size in sizes]
 
@@ -175,9 +167,7 @@ def test_other_registers_stay_flip_flops(tmp_path: Path) -> None:
 
 
 def tables(m: Module, c: Any) -> Values:
-    """Tables with two ports, with registers, with one, with none, and with different ones; one with
-    one port.
-    """
+    """Tables with two ports and zero to two registers, also different ones; one with one port."""
     first, second = table(m, c, 18, 512, 2)
     third, fourth = table(m, c, 7, 1024, 2)
     values = [register(m, first, c.move), register(m, second, c.move), register(m, third, c.move), fourth]

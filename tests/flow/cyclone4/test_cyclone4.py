@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Every rule of the Cyclone IV map by itself: does the rule apply, and does the result do what its
-source does.
-"""
+"""Every rule of the Cyclone IV map applies, and its result is equal to its source."""
 
 from __future__ import annotations
 
@@ -91,9 +89,7 @@ def test_operands_of_different_widths_and_signs(tmp_path: Path) -> None:
 
 
 def flip_flops(m: Module, a: Any, enable: Any, clear: Any, other: Any) -> Values:
-    """Registers with every kind of enable, reset and initial value; the module's reset resets all
-    but one.
-    """
+    """Registers with every enable, reset and initial value; the reset resets all but one."""
     bits = len(a)
     registers = [
         Signal(bits, name=f"register_{k}", init=init, reset_less=k == 1)

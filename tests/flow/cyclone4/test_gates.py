@@ -1,6 +1,4 @@
-"""The mapped netlist runs, in an independent simulator, on a photograph: every record is the golden
-model's.
-"""
+"""The mapped netlist on a photograph, in Verilator: every record is the golden model's."""
 
 from __future__ import annotations
 

@@ -110,9 +110,7 @@ def sum_read_twice() -> Netlist:
 
 
 def neighbours() -> Netlist:
-    """Neighbouring bits of x + 1 combined: the cell of the lower one makes the carry of the higher,
-    which is read.
-    """
+    """Neighbouring bits of x + 1 combined: the lower cell makes the higher one's carry."""
     netlist = Netlist()
     sums, _ = netlist.chain(netlist.inputs(4), [*"1000"])
     netlist.port("sums", "output", sums[1::2])
@@ -130,9 +128,7 @@ def comparison() -> Netlist:
 
 
 def comparison_and_difference() -> Netlist:
-    """a - b, and whether that borrows: what takes the carry off is needed, and has room for three
-    signals.
-    """
+    """a - b and its borrow: the cell that takes the carry off stays, with room for three nets."""
     netlist = Netlist()
     a, b, s = netlist.inputs(5), netlist.inputs(5), netlist.inputs(3)
     sums, carry = netlist.chain(a, b, "1", (DIFFERENCE, NO_BORROW))

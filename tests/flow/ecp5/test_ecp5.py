@@ -20,9 +20,7 @@ WIDTH, DEPTH = 20, 2000
 
 
 class Row(wiring.Component):
-    """A row of pixels and a register behind it; ``kind`` says what is special, such as why it has
-    to stay outside.
-    """
+    """A row of pixels and a register behind it; ``kind`` is the special case."""
 
     def __init__(self, kind: str) -> None:
         self._kind = kind

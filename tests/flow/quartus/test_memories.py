@@ -28,8 +28,7 @@ from tests.support.quartus import SMALL, VARIANTS, Forgetful, exported, sources
 
 
 def noise_on_collision(text: str) -> tuple[str, int]:
-    """Verilog whose memories deliver noise for an address that is being written; how many memories
-    that are.
+    """Verilog whose memories give noise for a written address; and the number of such memories.
 
     Those that are known to need the old data are left as they are.
     """

@@ -1,6 +1,4 @@
-"""Amaranth's simulator for what has more than streams: events, registers, handshakes clock by
-clock.
-"""
+"""Amaranth's simulator for events, registers and handshakes, clock by clock."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""The video detector with inputs that the simulation's engines can drive, and its packets sorted
-out again.
-"""
+"""The video detector with inputs for the simulation's engines, and its packets sorted."""
 
 from __future__ import annotations
 

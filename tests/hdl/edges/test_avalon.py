@@ -33,9 +33,7 @@ ADDRESSES = {register.name: register.address >> 2 for register in register_map(P
 
 
 class PlainAvalonCore(wiring.Component):
-    """``AvalonCore`` with streams that the simulation's engines can drive; registers stay as they
-    are.
-    """
+    """``AvalonCore`` with streams for the simulation's engines; registers stay as they are."""
 
     def __init__(self, parameters: Parameters) -> None:
         self.dut = AvalonCore(parameters)

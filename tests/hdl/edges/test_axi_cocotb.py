@@ -1,5 +1,4 @@
-"""The core with AXI edges as it ships: its Verilog, tried by others' bus models, against the golden
-model.
+"""The emitted Verilog with AXI edges, with cocotb's bus models, against the golden model.
 
 A short part runs with all tests; ``make verify`` runs everything, for each of ``BUILDS``.
 """

@@ -1,6 +1,4 @@
-"""The core with AXI edges as it was mapped to Cyclone IV's cells, tried by the same bus models as
-its Verilog.
-"""
+"""The netlist for Cyclone IV with AXI edges, with the same bus models as its Verilog."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""Frame guard: which pixels pass, which events it reports, and that nothing moves while a frame is
-cut.
-"""
+"""Frame guard: pixels that pass, events, and no transfer while a frame is cut."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""The pixels passed on: the same, each in its place, and flagged where the golden model finds a
-corner.
-"""
+"""The pixels passed on: the same, in place, with flags where the golden model has corners."""
 
 from __future__ import annotations
 

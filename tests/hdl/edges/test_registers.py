@@ -46,9 +46,7 @@ def test_map_is_sound(parameters: Parameters) -> None:
 
 
 def test_texts_say_what_was_built() -> None:
-    """The golden model's words: bits that count as ``Settings.mean_weight`` has it, and what leaves
-    corners out.
-    """
+    """The golden model's words: the bits that count for ``Settings.mean_weight``, and limits."""
     paper, robust = registers(), registers(Build.profile("robust", budget=True))
     assert paper["SIGMA2"].text.startswith("Texture threshold: ")
     assert robust["SIGMA2"].text.startswith("Weight of the local level of D")

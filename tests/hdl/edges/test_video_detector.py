@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""The guarded detector against its golden model: any video, any stalls, every well-formed frame
-exact.
-"""
+"""The guarded detector against its golden model, with any video and any stalls."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Sums with a carry: every pair of narrow numbers, ends of wide ones, in one adder; and no
-multipliers anywhere.
-"""
+"""Sums with a carry: all pairs of narrow numbers, ends of wide ones; one adder, no multiplier."""
 
 from __future__ import annotations
 

@@ -52,9 +52,7 @@ def check(runner: Engine, rows: int, sizes: list[Size], stalls: Stalls = NO_STAL
 
 
 def many_sizes(rows: int, max_width: int) -> list[Size]:
-    """Every width in a tall frame, every height from 1 in a narrow and in a wide one, big next to
-    small.
-    """
+    """Every width in a tall frame, every height in narrow and wide ones, large beside small."""
     sizes = [(rows + 2, width) for width in range(4, max_width + 1)]
     sizes += [(height, width) for height in range(1, rows + 3) for width in (4, max_width)]
     sizes += [(2 * rows + 3, max_width), (rows, 4), (rows, max_width), (2 * rows + 3, 4)]
@@ -114,9 +112,7 @@ def test_frames_of_one_size_never_wait(
 @every
 @pytest.mark.parametrize("name", ENGINES)
 def test_lean_latency(name: EngineName, rows: int, max_width: int) -> None:
-    """Each column comes two clocks after the beat that completes it, whatever the sizes; nothing
-    ever waits.
-    """
+    """Each column comes two clocks after its last beat, in any size; nothing ever waits."""
     sizes = [(rows + 4, 7), (rows + 1, max_width), (rows + 2, 4)]
     capture = check(buffer(name, rows, max_width, "lean"), rows, sizes)
     starts = np.cumsum([0, *(height * width for height, width in sizes)])
@@ -132,9 +128,7 @@ def test_lean_latency(name: EngineName, rows: int, max_width: int) -> None:
 @every
 @pytest.mark.parametrize("name", ENGINES)
 def test_banked_latency(name: EngineName, rows: int, max_width: int) -> None:
-    """The first column comes five clocks after the row's last beat, the others on its heels: the
-    last row too.
-    """
+    """The first column comes five clocks after each row's last beat, then the others."""
     size = (rows + 4, 11)
     capture = check(buffer(name, rows, max_width, "banked"), rows, [size, size])
     row_ends = completing([size, size], size[1]).reshape(2, size[0])[:, rows - 1 :].reshape(-1)

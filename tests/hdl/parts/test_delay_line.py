@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Delay line, in beats held back: each comes out with its own value, however long the line and
-whoever waits.
-"""
+"""Delay line, in delayed beats: each comes out with its own value, for any length and stalls."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Connecting by name: streams with their two ends, plain signals from one source to any number of
-inputs.
-"""
+"""Connecting by name: streams with two ends, plain signals from one source to many inputs."""
 
 from __future__ import annotations
 

@@ -27,9 +27,7 @@ def numbers(name: EngineName) -> Words:
 
 
 class Heeding(wiring.Component):
-    """A source that looks at ``room`` a clock late, and with ``twice`` has one more beat to come
-    after each.
-    """
+    """A source that reads ``room`` a clock late, and with ``twice`` has one more beat each time."""
 
     def __init__(self, depth: int, twice: bool) -> None:
         self._depth = depth

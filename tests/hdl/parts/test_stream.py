@@ -76,9 +76,7 @@ def test_skid_buffer_holds_two_and_its_ready_comes_from_a_register() -> None:
 
 
 class Permitted(wiring.Component):
-    """A pipeline of three registers that takes a beat with each permission only, and remembers
-    earlier beats.
-    """
+    """A pipeline of three registers that needs permission for each beat."""
 
     latency = 3
 
