@@ -19,9 +19,10 @@ from hdl.edges.avalon import AvalonCore
 from hdl.edges.register_map import IDENTITY, register_map
 from hdl.output_constructor import record_layout
 from sim import Stalls, Stimulus
+from sim.engine import EngineName
 from tests.hdl.edges.bench import simulate
 from tests.hdl.edges.components import packets
-from tests.support.blocks import NO_STALLS, engine
+from tests.support.blocks import ENGINES, NO_STALLS, engine
 from tests.support.photographs import photograph
 
 WIDTH, HEIGHT = 33, 24
@@ -77,9 +78,14 @@ def video_packet(image: Image, kind: int = 0) -> list[int]:
 IMAGES = [photograph(name)[50 : 50 + HEIGHT, 80 : 80 + WIDTH] for name in ("brick", "grass", "text", "coins")]
 
 
-def run(beats: list[int], frames: list[list[tuple[int, bool, bool]]], stalls: Stalls = NO_STALLS) -> Any:
+def run(
+    beats: list[int],
+    frames: list[list[tuple[int, bool, bool]]],
+    stalls: Stalls = NO_STALLS,
+    name: EngineName = "compiled",
+) -> Any:
     """Compare what comes of these beats with what the model makes of these frames."""
-    runner = engine("compiled", PlainAvalonCore, PARAMETERS)
+    runner = engine(name, PlainAvalonCore, PARAMETERS)
     model = VideoModel(PARAMETERS)
     video = VideoSettings(WIDTH, HEIGHT, Settings.default(PARAMETERS), ignore_eol=True)
     expected = [packet for frame in frames for packet in model.feed(frame, video)]
@@ -102,8 +108,10 @@ def test_frames_among_other_packets(stalls: Stalls) -> None:
     run(beats, [framed(image) for image in IMAGES], stalls)
 
 
-def test_only_the_low_four_bits_tell_the_type() -> None:
-    run(video_packet(IMAGES[0], 0xA0) + video_packet(IMAGES[1], 0x01), [framed(IMAGES[0])])
+@pytest.mark.parametrize("name", ENGINES)
+def test_only_the_low_four_bits_tell_the_type(name: EngineName) -> None:
+    beats = packet([4, 1, 2, 3]) + video_packet(IMAGES[0], 0xA0) + video_packet(IMAGES[1], 0x01)
+    run(beats, [framed(IMAGES[0])], name=name)
 
 
 def test_one_pixel_per_clock() -> None:

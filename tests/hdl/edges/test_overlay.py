@@ -16,6 +16,7 @@ from golden.video import VideoSettings, framed
 from hdl.build import Build
 from hdl.edges.overlay import Overlay
 from sim import Stalls, Stimulus
+from sim.engine import Engine
 from tests.hdl.edges.components import PlainVideoDetector, packets, payloads
 from tests.support.accepted import accepted
 from tests.support.blocks import engine
@@ -59,14 +60,8 @@ def shown(words: np.ndarray) -> list[tuple[int, int, int, int]]:
     return [(w & 255, w >> 8 & 1, w >> 9 & 1, w >> 10 & 1) for w in words.tolist()]
 
 
-@pytest.mark.parametrize("stalls", [Stalls(), Stalls(0.3, 0.3, 1), Stalls(0, 0.8, 2)], ids=str)
-@builds
-def test_pixels_and_corners(parameters: Parameters, stalls: Stalls) -> None:
-    runner = engine("compiled", PlainVideoDetector, parameters)
-    sizes = [(MAX_WIDTH, MAX_HEIGHT), (MAX_WIDTH, MAX_HEIGHT), (15, 15), (16, 40), (31, 17), (MAX_WIDTH, 15)]
-    images = [photograph("grass")[k : k + h, 9 : 9 + w] for k, (w, h) in enumerate(sizes)]
-    random = np.random.default_rng(0)
-    images += [random.integers(0, 256, (MAX_HEIGHT, SUPPORT + 2), np.uint8) for _ in range(12)]
+def run(runner: Engine, parameters: Parameters, images: list[Image], stalls: Stalls) -> None:
+    """Compare every pixel that comes out, and its flag."""
     changes, start, expected, edges = [], 0, [], 0
     for number, image in enumerate(images):
         sigma2 = selective(parameters) if number % 3 == 1 else lenient(parameters)
@@ -82,6 +77,24 @@ def test_pixels_and_corners(parameters: Parameters, stalls: Stalls) -> None:
     capture = runner.run(Stimulus({"video": words}, changes, stalls), quiet=20 * MAX_WIDTH)
     assert shown(capture.outputs["overlay"]) == expected
     assert len(packets(capture)) == len(images)
+
+
+@pytest.mark.parametrize("stalls", [Stalls(), Stalls(0.3, 0.3, 1), Stalls(0, 0.8, 2)], ids=str)
+@builds
+def test_pixels_and_corners(parameters: Parameters, stalls: Stalls) -> None:
+    sizes = [(MAX_WIDTH, MAX_HEIGHT), (MAX_WIDTH, MAX_HEIGHT), (15, 15), (16, 40), (31, 17), (MAX_WIDTH, 15)]
+    images = [photograph("grass")[k : k + h, 9 : 9 + w] for k, (w, h) in enumerate(sizes)]
+    random = np.random.default_rng(0)
+    images += [random.integers(0, 256, (MAX_HEIGHT, SUPPORT + 2), np.uint8) for _ in range(12)]
+    run(engine("compiled", PlainVideoDetector, parameters), parameters, images, stalls)
+
+
+def test_pixels_and_corners_in_amaranths_simulator() -> None:
+    """Nothing is compiled: it takes two seconds to tell what a change of the sources does."""
+    parameters = Build.profile("paper", buffering="lean", max_width=40, max_height=20, video_out=True)
+    random = np.random.default_rng(1)
+    images = [random.integers(0, 256, (20, 40), np.uint8) for _ in range(4)]
+    run(engine("amaranth", PlainVideoDetector, parameters), parameters, images, Stalls())
 
 
 @builds

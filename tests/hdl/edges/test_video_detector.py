@@ -19,7 +19,7 @@ from sim.engine import Engine
 from tests.hdl.edges.components import PlainVideoDetector, packets, payloads
 from tests.support.blocks import engine
 from tests.support.builds import each
-from tests.support.filters import selective
+from tests.support.filters import lenient, selective
 from tests.support.malformed import Beats, random_video
 from tests.support.photographs import photograph
 
@@ -157,3 +157,24 @@ def test_a_stalled_output_stalls_the_input_and_loses_nothing(parameters: Paramet
     images = [photograph("text")[k : k + 15, 60:75] for k in range(60)]
     parts = [(framed(image), video_settings(parameters, image)) for image in images]
     run(runner, parameters, parts, Stalls(0, 0.99, 6))
+
+
+@pytest.mark.parametrize(("sigma1", "target"), [(0.1, 0), (0.001, 1)], ids=["maximum", "target"])
+def test_cut_frames_in_amaranths_simulator(sigma1: float, target: int) -> None:
+    """A frame is cut right after a whole one, which comes out whole; what that passes on reaches
+    the next one.
+
+    Nothing is compiled: it takes two seconds to tell what a change of the sources does.
+    """
+    parameters = Build.profile("paper", max_width=24, max_height=24, buffering="lean", budget=True)
+    random = np.random.default_rng(7)
+    images = [random.integers(0, top, (24, 24), np.uint8) for top in (256, 256, 100, 256, 100)]
+    kept = (576, 20, 576, 300, 576)
+    beats = [beat for image, pixels in zip(images, kept, strict=True) for beat in framed(image)[:pixels]]
+    settings = Settings.default(
+        parameters, sigma1=sigma1, sigma2=lenient(parameters), target_corners=target, constant=1
+    )
+    runner = engine("amaranth", PlainVideoDetector, parameters)
+    capture, _ = run(runner, parameters, [(beats, VideoSettings(24, 24, settings))], Stalls(0, 0.5, 1))
+    found = packets(capture)
+    assert len(found) == 5 and len(found[0]) > 2

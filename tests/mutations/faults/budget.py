@@ -80,6 +80,6 @@ BUDGET = {
         "self.history.eq(self._detector.adapted)",
         "self.history.eq(0)",
         "tests/hdl/edges/test_video_detector.py",
-        "settings_change and robust-budget and flowing",
+        "amaranths and target",
     ),
 }

@@ -31,21 +31,21 @@ EDGES = {
         "(guard.cut & empty)",
         "guard.cut",
         "tests/hdl/edges/test_video_detector.py",
-        "right_after_a_whole_one",
+        "amaranths and maximum",
     ),
     "a restart loses the reference": Mutation(
         "hdl/edges/video_detector.py",
         "settings.use_constant | ~self._packets.any_results,",
         "1,",
         "tests/hdl/edges/test_video_detector.py",
-        "malformed and lean and flowing",
+        "amaranths and maximum",
     ),
     "pixels are flagged that can be no corner": Mutation(
         "hdl/edges/overlay.py",
         "flagged & self.corner_flags.payload.corner",
         "self.corner_flags.valid & self.corner_flags.payload.corner",
         "tests/hdl/edges/test_overlay.py",
-        "pixels_and_corners",
+        "pixels_and_corners_in_amaranths",
     ),
     "an event is lost where it is cleared": Mutation(
         "hdl/edges/register_bank.py",
@@ -80,6 +80,6 @@ EDGES = {
         "self.asi_video_data[:PACKET_TYPE_BITS] == VIDEO_PACKET",
         "self.asi_video_data[:1] == VIDEO_PACKET",
         "tests/hdl/edges/test_avalon.py",
-        "low_four_bits or other_packets",
+        "low_four_bits and amaranth",
     ),
 }
