@@ -362,6 +362,16 @@ def test_end_of_frame_record() -> None:
 
 
 @pytest.mark.parametrize("name", ["paper", "robust"])
+def test_small_frames_in_amaranths_simulator(name: str) -> None:
+    """Nothing is compiled: it takes two seconds to tell what a change of the sources does."""
+    parameters = Build.profile(name, max_width=32, max_height=32)
+    frames = noisy(parameters, [(28, 32), (24, 20)], 1)
+    result = simulate_frames(make_engine("amaranth", Detector(parameters)), frames, parameters)
+    check(result, parameters, frames)
+    assert len(result.frames[0].records) > 3
+
+
+@pytest.mark.parametrize("name", ["paper", "robust"])
 def test_amaranths_simulator_agrees_clock_by_clock(name: str) -> None:
     parameters = MIXTURES[name]
     frames = noisy(parameters, [(15, 18), (18, 15)], 1)

@@ -74,7 +74,7 @@ def run(runner: Engine, parameters: Parameters, images: list[Image], stalls: Sta
         start += image.size
     assert edges and sum(corner for _, corner, _, _ in expected) > (5 if parameters.budget else 20)
     words = payloads([beat for image in images for beat in framed(image)], parameters)
-    capture = runner.run(Stimulus({"video": words}, changes, stalls), quiet=20 * MAX_WIDTH)
+    capture = runner.run(Stimulus({"video": words}, changes, stalls), quiet=20 * parameters.max_width)
     assert shown(capture.outputs["overlay"]) == expected
     assert len(packets(capture)) == len(images)
 
@@ -94,7 +94,7 @@ def test_pixels_and_corners_in_amaranths_simulator() -> None:
     parameters = Build.profile("paper", buffering="lean", max_width=40, max_height=20, video_out=True)
     random = np.random.default_rng(1)
     images = [random.integers(0, 256, (20, 40), np.uint8) for _ in range(4)]
-    run(engine("amaranth", PlainVideoDetector, parameters), parameters, images, Stalls())
+    run(engine("amaranth", PlainVideoDetector, parameters), parameters, images, Stalls(0, 0.3, 1))
 
 
 @builds
@@ -104,7 +104,9 @@ def test_full_rate_at_the_built_maximum(parameters: Parameters) -> None:
     images = [photograph(name)[:MAX_HEIGHT, :MAX_WIDTH] for name in ("camera", "brick", "grass")]
     video = video_settings(parameters, MAX_WIDTH, MAX_HEIGHT, lenient(parameters))
     words = payloads([beat for image in images for beat in framed(image)], parameters)
-    capture = runner.run(Stimulus({"video": words}, [(0, video.fixed(parameters))]), quiet=20 * MAX_WIDTH)
+    capture = runner.run(
+        Stimulus({"video": words}, [(0, video.fixed(parameters))]), quiet=20 * parameters.max_width
+    )
     clocks = capture.input_clocks["video"]
     assert clocks[-1] - clocks[0] + 1 == len(clocks)
     assert len(capture.outputs["overlay"]) == len(words)

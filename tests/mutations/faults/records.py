@@ -45,7 +45,7 @@ RECORDS = {
         'texture.response if "response" in texture.shape().members else corner.response',
         "corner.response",
         "tests/hdl/test_detector.py",
-        "photographs and robust and text",
+        "small_frames and robust",
     ),
     "a quotient goes on after its half": Mutation(
         "hdl/divider.py",

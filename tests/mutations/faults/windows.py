@@ -73,6 +73,6 @@ WINDOWS = {
         "latest - self._arrival(block))",
         'latest - self._arrival(block) - (name == "late corners"))',
         "tests/hdl/test_detector.py",
-        "size1 and latency_without or (photographs and robust and text)",
+        "small_frames and robust",
     ),
 }
