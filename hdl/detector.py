@@ -33,8 +33,8 @@ class Detector(wiring.Component):
     thresholds are made.
 
     The paper also buffers A, B and C, and the responses three times, and refines every pixel. Here
-    gradients and products are made anew for each row of the smoothing window; one response buffer
-    serves all that need windows; and only candidates are refined. The records are the same.
+    gradients and products are computed again for each row of the smoothing window; one response
+    buffer serves all that need windows; and only candidates are refined. The records are the same.
 
     Parameters
     ----------

@@ -61,9 +61,9 @@ class NormalEquations(wiring.Component):
         Σ A          grows by S(new) - S(old)
         Σ (u·S + V)  grows by 3 S(new) + V(new) + 4 S(old) - V(old) - Σ A, the sum as it was
 
-    and likewise the y from C and B. That holds across ends of rows too, where windows are not
-    complete and nothing is delivered; so the sums start from 0 at reset and never again. Columns
-    before the first after reset count as 0.
+    and the y from C and B in the same way. That holds across ends of rows too, where windows are
+    not complete and nothing is delivered; so the sums start from 0 at reset and never again.
+    Columns before the first after reset count as 0.
 
     Members
     -------

@@ -2,7 +2,7 @@
 
 The name of an entry consists of two digests with a hyphen between: that of its sources, and that of
 its contents. A file that was cut short or overwritten would crash the process that loads it; the
-second digest reveals such a file, which is then deleted and built anew.
+second digest reveals such a file, which is then deleted and built again.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Limits of the detector: boards too fine for its kernel, corners too soft for its gradient step.
 
-``python -m evaluation.sections.limits`` draws the picture of docs/reference/limits.md anew;
+``python -m evaluation.sections.limits`` draws the picture of docs/reference/limits.md again;
 tests/evaluation/sections/test_limits.py measures the page's figures.
 """
 

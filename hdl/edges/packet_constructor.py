@@ -50,7 +50,7 @@ class PacketConstructor(wiring.Component):
     close, closed
         Close the packet of a frame that was cut: ask, with no record offered, until it is answered.
     clear
-        Counting starts anew, as at reset. A beat at the output stays.
+        Counting starts from 0, as at reset. A beat at the output stays.
     max_records
         Largest number of records in a packet before its last one.
     found

@@ -207,7 +207,7 @@ class Bench:
             await ClockCycles(self.dut.clk, clocks)
 
     async def taken(self, beats: int) -> None:
-        """Returns when so many beats have been taken, of all there were."""
+        """Returns when so many beats have been taken in all."""
         while self.input.beats < beats:
             await ClockCycles(self.dut.clk, 1)
 

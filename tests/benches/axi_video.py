@@ -106,7 +106,7 @@ class VideoExpectation:
 
 
 def received(sink: Sink) -> list[NDArray[np.int64]]:
-    """Beats that have come out, frame by frame: whatever comes before the next start of frame."""
+    """Beats that have come out, frame by frame, each up to the next start of frame."""
     beats: list[tuple[int, int, bool]] = []
     while not sink.axi.empty():
         line = sink.axi.recv_nowait(compact=False)

@@ -62,7 +62,7 @@ async def max_corners(dut: Dut) -> None:
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(stall=[0.0, 0.6])
 async def target_corners(dut: Dut, stall: float) -> None:
-    """Frames back to back, some cut, with targets that change; T1 outlives what is cut."""
+    """Frames back to back, some cut, with targets that change; a cut frame leaves T1 as it is."""
     bench, random_ = Bench(dut, stall=stall), draw()
     await bench.start()
     for _ in range(3 * ROUNDS):

@@ -224,7 +224,7 @@ async def soft_reset_anywhere(bench: Bench, random_: Random) -> None:
 
 @row
 async def hard_reset_anywhere(bench: Bench, random_: Random) -> None:
-    """By the pin, also amid accesses to registers."""
+    """Reset by the pin, also during accesses to registers."""
     video = VideoSettings(int(random_.integers(15, 20)), 15, bench.video.settings)
     for place in places(2 * video.width * video.height + 100):
         await bench.configure(video)
@@ -245,7 +245,7 @@ async def hard_reset_anywhere(bench: Bench, random_: Random) -> None:
 
 @row
 async def input_stopped(bench: Bench, random_: Random) -> None:
-    """For longer than anything takes, amid a frame; then comes a new one."""
+    """The input stops for long in a frame; then a new frame comes."""
     await bench.write("TIMEOUT", 900)
     source = bench.source.axi
     generator = source._pause_generator
@@ -353,7 +353,7 @@ async def records_overflow(bench: Bench, random_: Random) -> None:
 
 @row
 async def disabled(bench: Bench, random_: Random) -> None:
-    """Amid a frame, which goes on; the ones that follow are dropped, and that is not an error."""
+    """Disabled in a frame, which goes on; later ones are dropped, which is not an error."""
     for _ in range(2):
         await amid(bench, random_)
         await bench.enable(False)

@@ -26,7 +26,7 @@ FRAMES = int(os.environ.get("FRAMES", "128"))
 PARTS = 8
 """Size and thresholds are others in each."""
 SHARES = ((0.0, 0.0, 0.0, 0.1, 0.4, 0.8), (0.0, 0.2, 0.6, 0.9, 0.98), (0.0, 0.0, 0.1, 0.4, 0.6))
-"""Of clocks in which to pause: the source, the records' sink, the video's."""
+"""Clocks in which to pause: the source, the records' sink, the video's."""
 
 
 class ChangingPauses:
@@ -109,7 +109,7 @@ class Traffic:
 
 
 def frames(bench: Bench, random_: Random, count: int) -> Video:
-    """Half of them malformed, but for the last."""
+    """Half of the frames are malformed, except the last."""
     video = Video()
     kinds = list(FAULTS.values())
     for k in range(count):

@@ -57,7 +57,7 @@ async def full_rate(dut: Dut) -> None:
     await bench.check()
     pixels = p.max_width * p.max_height
     assert np.diff(bench.input.times[::pixels]).tolist() == [pixels] * 3
-    # of the very first frame some pixels come out at once, because nothing marks them
+    # some pixels of the very first frame come out at once, because they can have no flag
     assert np.diff(bench.video_output.times[::pixels][1:]).tolist() == [pixels] * 2
     assert not bench.input.stalls
     assert await bench.read("CLOCKS") == pixels

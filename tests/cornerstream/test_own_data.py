@@ -1,4 +1,4 @@
-"""The user's own images for ``eval``: of any size, with what was done to them told once."""
+"""The user's images for ``eval``: any size, and one remark for conversions that are alike."""
 
 from __future__ import annotations
 

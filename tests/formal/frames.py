@@ -116,7 +116,7 @@ def guard_model(m: Module, dut: Any, inside: Insides, restarted: Signal, *, know
     with m.If(active):
         invariant(m, allowed(width, height) & ~place.first, "no such size or place")
         invariant(m, (dut.frame_width == width) & (dut.frame_height == height), "another size")
-        invariant(m, (inside["surplus"] == surplus) & (inside["ignore_eol"] == ignore), "marks differ")
+        invariant(m, (inside["surplus"] == surplus) & (inside["ignore_eol"] == ignore), "framing differs")
         counts(m, inside, place, width, height)
     with m.Elif(~dut.cut):
         invariant(m, place.first, "no frame is under way, but its place")

@@ -35,7 +35,7 @@ from tests.formal.properties import (
 
 
 class AnyVideoChecker(Elaboratable):
-    """Whatever comes. Assumed: sizes in range; and after a cut, ``restart`` before ``resume``."""
+    """Any video. Assumed: sizes in range; and after a cut, ``restart`` before ``resume``."""
 
     def __init__(self, design: Any) -> None:
         self._design = design
@@ -121,7 +121,7 @@ class GoodVideoChecker(Elaboratable):
 
 
 ANY_VIDEO = Claim(
-    says="FrameGuard: whole frames or a cut, whatever comes",
+    says="FrameGuard: whole frames or a cut, for any video",
     design=hdl.edges.frame_guard,
     check=AnyVideoChecker,
     depth=2,

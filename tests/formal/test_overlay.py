@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Overlay: its output keeps the rule of streams whatever comes, restarts included."""
+"""Overlay: its output keeps the rule of streams for any input, with restarts."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class OverlayChecker(Elaboratable):
 
 
 OVERLAY = Claim(
-    says="Overlay: a pixel stays until it is taken, whatever comes",
+    says="Overlay: a pixel stays until it is taken, for any input",
     design=hdl.edges.overlay,
     check=OverlayChecker,
     depth=1,

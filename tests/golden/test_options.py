@@ -18,7 +18,7 @@ Colour = Literal["red", "green"]
 
 @dataclass(frozen=True)
 class Paint:
-    colour: Colour = option("red", "Of the paint.")
+    colour: Colour = option("red", "Colour of the paint.")
     coats: int = option(2, "How many.", low=1, high=4)
     share: float = option(0.5, "Share of water.", high=1)
     gloss: bool = option(False, "Shines.")

@@ -53,7 +53,7 @@ def check(
         encode_frame_end(FrameEnd(count, frame, largest))
         for frame, (count, largest) in enumerate(zip(counts, maximum.tolist(), strict=True))
     ]
-    # the record is a whole word, the mark the lowest bit of the next
+    # the record is a whole word, the flag the lowest bit of the next
     expected = np.stack([record, end.astype(np.uint64)], axis=-1)
     # one for each corner
     offsets = {field: value[end == 0] for field, value in offsets.items()}

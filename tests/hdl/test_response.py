@@ -76,7 +76,7 @@ def test_extremes(parameters: Parameters) -> None:
 def test_any_tensor(parameters: Parameters, data: st.DataObject) -> None:
     """Tensors up to the ends of the format, C up to the root of AB, half of them at it.
 
-    Of absolute gradients C is not so small that A + B - 2C exceeds the response's full scale.
+    With absolute gradients, C is not so small that A + B - 2C exceeds the response's full scale.
     """
     rng = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))
     top = data.draw(st.sampled_from([1, 2, 7, parameters.product_max]))

@@ -72,7 +72,7 @@ def sof_always(beats: Beats, width: int, random: Random) -> Beats:
 
 
 def noise_marks(beats: Beats, width: int, random: Random) -> Beats:
-    """Marks anywhere."""
+    """Starts of frame and ends of line anywhere."""
     sofs, eols = random.random(len(beats)) < 0.003, random.random(len(beats)) < 0.02
     return [(pixel, bool(s), bool(e)) for (pixel, _, _), s, e in zip(beats, sofs, eols, strict=True)]
 

@@ -1,4 +1,4 @@
-"""Rendered views: what is where, by way of marks whose place can be measured."""
+"""Rendered views: places of dots, which can be measured."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Packet constructor: records in, packets out, closed whatever happens."""
+"""Packet constructor: records in, packets out, each closed in every case."""
 
 from __future__ import annotations
 
