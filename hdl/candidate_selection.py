@@ -15,6 +15,7 @@ from hdl.build import Build
 from hdl.corner_detection import corner_layout
 from hdl.fits import derivatives_layout
 from hdl.parts.optional import optional
+from hdl.parts.probes import probe
 from hdl.parts.queue import Queue
 from hdl.parts.stream import Beat
 from hdl.texture_filter import texture_layout
@@ -161,6 +162,7 @@ class CandidateSelection(wiring.Component):
             pending.i.payload.textured.eq(texture.textured),
             pending.i.payload.end.eq(ending),
         ]
+        probe(self, candidates=candidates, pending=pending, room=room, x=x, y=y, ending=ending)
         return m
 
     @property
@@ -171,6 +173,7 @@ class CandidateSelection(wiring.Component):
 
     def _largest(self, m: Module, step: Signal) -> None:
         first, response = Signal(init=1), self.corners.payload.data.response
+        probe(self, first=first)
         with m.If(step):
             m.d.sync += first.eq(self.corners.payload.eof)
             with m.If(first | (response > self.largest)):

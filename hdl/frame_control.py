@@ -10,6 +10,7 @@ from amaranth.lib.wiring import In, Out
 
 from golden.formats import SUPPORT
 from golden.parameters import Parameters
+from hdl.parts.probes import probe
 from hdl.parts.stream import Beat
 from hdl.thresholds import settings_layout
 
@@ -89,6 +90,8 @@ class FrameControl(wiring.Component):
                 self.o.payload.eol.eq(eol),
                 self.o.payload.eof.eq(eof),
             ]
+        probe(self, first=first, x=x, y=y, eol=eol, last_row=last_row)
+        probe(self, last_but_one_x=last_but_one_x, last_but_one_y=last_but_one_y)
         return m
 
 

@@ -13,6 +13,7 @@ from golden.output_constructor import COUNT_BITS, END_OF_FRAME, FRAME_BITS, RECO
 from golden.parameters import Parameters
 from hdl.candidate_selection import pending_record_layout
 from hdl.parts.optional import optional
+from hdl.parts.probes import probe
 from hdl.subpixel import offset_layout
 
 
@@ -86,4 +87,5 @@ class OutputConstructor(wiring.Component):
         if self._parameters.budget:
             with m.If(step & pending.end):
                 m.d.sync += self.found.eq(Cat(pending.x, pending.y))
+        probe(self, count=count, frame=frame)
         return m

@@ -10,6 +10,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from hdl.parts.delay_line import DelayLine
+from hdl.parts.probes import probe
 
 RINGS = (4, 5)
 """Clocks of the two delay lines in which the radicand waits: the shortest that are memory."""
@@ -69,6 +70,7 @@ class SquareRoot(wiring.Component):
         remainder: Value = C(0, 1)
         for k, digit in enumerate(digits[:-1]):
             before, remainder = remainder, _step(m, operand, remainder, digit)
+            probe(self, **{f"step_{k}": remainder})
             # a signal of its own, or each of the next step's uses would repeat this step's logic
             stored = Signal(k, name=f"operand_{k}")
             m.d.comb += stored.eq(operand ^ (before[-1] ^ remainder[-1]).replicate(k))
@@ -78,6 +80,7 @@ class SquareRoot(wiring.Component):
             # the newest bit is inverted where it is 1, which makes it 0
             operand = Cat(C(0, 1), stored)
         last = _step(m, operand, remainder, digits[-1])
+        probe(self, **{f"step_{len(operand)}": last})
         root = Cat(~last[-1], operand ^ (~remainder[-1]).replicate(len(operand)))
         m.d.comb += self.root.eq(self._register(m, root, "root"))
         return m
@@ -108,6 +111,7 @@ class SquareRoot(wiring.Component):
         register = Signal(len(value), name=name, reset_less=True)
         with m.If(self.enable):
             m.d.sync += register.eq(value)
+        probe(self, **{name: register})
         return register
 
 

@@ -19,6 +19,7 @@ from golden.formats import (
 from golden.parameters import Parameters
 from hdl.adaptation import adapted_layout, aim_layout
 from hdl.parts.optional import optional
+from hdl.parts.probes import probe
 from hdl.parts.stream import Beat
 from hdl.sample import sample_layout
 
@@ -133,6 +134,7 @@ class Thresholds(wiring.Component):
                 m.d.sync += any_previous.eq(1)
 
         self._multiply(m, start=start, busy=busy, any_previous=any_previous)
+        probe(self, first=first, busy=busy, may_start=may_start)
         return m
 
     def _multiply(self, m: Module, *, start: Any, busy: Signal, any_previous: Signal) -> None:
@@ -143,6 +145,7 @@ class Thresholds(wiring.Component):
         reference, scaled = Signal(bits), Signal(scaled_bits)
         chosen, referred, multiplying = Signal(), Signal(), Signal()
         count = Signal(range(SIGMA2_BITS))
+        probe(self, chosen=chosen, referred=referred, multiplying=multiplying, count=count)
         # classic multipliers: the product grows into the register from which sigma is shifted out
         product1, product2 = Signal(bits + SIGMA2_BITS), Signal(scaled_bits + SIGMA2_BITS)
         weight = Signal(MEAN_WEIGHT_BITS)

@@ -18,6 +18,7 @@ from hdl.edges.core import Core
 from hdl.edges.register import ADDRESS_BITS, DATA_BITS
 from hdl.edges.register_bank import register_bus
 from hdl.parts.optional import optional
+from hdl.parts.probes import probe
 
 OKAY, SLVERR = 0b00, 0b10
 LITE = {
@@ -68,6 +69,7 @@ class AxiLite(wiring.Component):
         m = Module()
         awake = Signal()
         m.d.sync += awake.eq(1)
+        probe(self, awake=awake)
         self._write(m, awake)
         self._read(m, awake)
         return m

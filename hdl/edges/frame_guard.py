@@ -11,6 +11,7 @@ from amaranth.lib.wiring import In, Out
 from golden.formats import SUPPORT
 from golden.video import Event
 from hdl.build import Build
+from hdl.parts.probes import probe
 
 
 def video_layout(build: Build) -> data.StructLayout:
@@ -159,6 +160,7 @@ class FrameGuard(wiring.Component):
         with m.If(self.restart):
             m.d.sync += self.cut.eq(1)
             m.d.sync += [s.eq(0) for s in (self.active, self.o.valid, surplus, after)]
+        probe(self, surplus=surplus, ignore_eol=ignore_eol, row_end=row_end, last_row=last_row)
         return m
 
     def _count(
@@ -189,6 +191,7 @@ class FrameGuard(wiring.Component):
         with m.If(start & beat):
             m.d.sync += [self.frame_width.eq(self.width), self.frame_height.eq(self.height)]
 
+        probe(self, x=x, y=y, last_but_one_x=last_but_one_x, last_but_one_y=last_but_one_y)
         line_over = surplus & self.i.payload.eol
         row = Signal()
         m.d.comb += row.eq(row_end & ~surplus)

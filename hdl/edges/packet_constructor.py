@@ -21,6 +21,7 @@ from golden.video import NO_LIMIT, Event
 from hdl.edges.frame_guard import events_layout
 from hdl.output_constructor import record_layout
 from hdl.parts.optional import optional
+from hdl.parts.probes import probe
 
 PACKET_EVENTS = (Event.FRAME_DONE, Event.FRAME_CUT, Event.RECORDS_DROPPED)
 
@@ -147,6 +148,7 @@ class PacketConstructor(wiring.Component):
             m.d.sync += results.frames.eq(results.frames + 1)
         with m.If(self.clear):
             m.d.sync += [results.eq(0), self.any_results.eq(0)]
+        probe(self, count=count, dropped=dropped)
         return m
 
     def _left_out(self, m: Module) -> Value:

@@ -20,6 +20,7 @@ from hdl.edges.overlay import Overlay, overlay_layout
 from hdl.edges.packet_constructor import PACKET_EVENTS, PacketConstructor, results_layout
 from hdl.output_constructor import record_layout
 from hdl.parts.optional import optional
+from hdl.parts.probes import probe
 from hdl.parts.stream import SkidBuffer
 from hdl.thresholds import settings_layout
 
@@ -233,7 +234,9 @@ class VideoDetector(wiring.Component):
         closing, clearing, ask, drained, opened = (
             Signal(name=name) for name in ("closing", "clearing", "ask", "drained", "opened")
         )
-        m.d.comb += drained.eq(self._in_flight(m, "inside", packets.done, restart) == 0)
+        inside = self._in_flight(m, "inside", packets.done, restart)
+        probe(self, restart=restart, closing=closing, clearing=clearing, opened=opened, inside=inside)
+        m.d.comb += drained.eq(inside == 0)
         empty = drained & others_empty
         m.d.comb += [
             ask.eq(self.control.reset | (guard.cut & empty)),

@@ -9,6 +9,8 @@ from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
+from hdl.parts.probes import probe
+
 REGISTERS = 2
 """Clocks of a delay that the memory's own read register and the one behind it make."""
 PART = 18
@@ -68,7 +70,7 @@ class DelayLine(wiring.Component):
         place = Signal(range(self._depth))
         with m.If(self.enable):
             m.d.sync += place.eq(Mux(place == self._depth - 1, 0, place + 1))
-        read_out = []
+        read_out, rings = [], []
         for k, low in enumerate(range(0, self._width, PART)):
             part = value[low : low + PART]
             m.submodules[f"ring_{k}"] = ring = Memory(shape=len(part), depth=self._depth, init=[])
@@ -81,10 +83,13 @@ class DelayLine(wiring.Component):
                 write.data.eq(part),
             ]
             read_out.append(read.data)
+            rings.append(ring)
+        probe(self, place=place, rings=rings, read_out=read_out)
         return Cat(read_out)
 
     def _register(self, m: Module, value: Value, name: str) -> Signal:
         register = Signal(self._width, name=name, reset_less=True)
         with m.If(self.enable):
             m.d.sync += register.eq(value)
+        probe(self, **{name: register})
         return register

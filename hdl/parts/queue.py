@@ -9,6 +9,8 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
+from hdl.parts.probes import probe
+
 ROOM = 3
 """Free places that ``room`` promises.
 
@@ -78,4 +80,5 @@ class Queue(wiring.Component):
             m.d.sync += level.eq(level - 1)
         with m.If(free):
             m.d.sync += self.o.valid.eq(taken)
+        probe(self, memory=memory, write=write, read=read, level=level)
         return m

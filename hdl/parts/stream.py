@@ -12,6 +12,8 @@ from amaranth.hdl import Module, Mux, ShapeLike, Signal, Value, ValueLike
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from hdl.parts.probes import probe
+
 
 def Beat(shape: ShapeLike) -> data.StructLayout:
     """One beat of a raster: ``data``, ``eol`` (last of its row) and ``eof`` (last of its frame).
@@ -48,10 +50,16 @@ class Pipeline:
         Its input and output stream. Drives ``i.ready``.
     permit
         Extra condition to take an input beat; beats already inside move on regardless.
+
+    Attributes
+    ----------
+    registers
+        Its registers by name, for a block that declares them as probes.
     """
 
     def __init__(self, m: Module, i: Any, o: Any, *, permit: ValueLike = 1) -> None:
         self._m = m
+        self.registers: dict[str, Signal] = {}
         self.advance = Signal()
         self.valid = Signal(name="offered")
         m.d.comb += [
@@ -68,6 +76,7 @@ class Pipeline:
         register = Signal(value.shape(), name=name, reset_less=not reset)
         with self._m.If(self.advance if when is None else self.advance & when):
             self._m.d.sync += register.eq(value)
+        self.registers[name] = register
         return register
 
     def delay(self, value: ValueLike, clocks: int, name: str, *, reset: bool = False) -> Value:
@@ -138,4 +147,5 @@ class SkidBuffer(wiring.Component):
         # whatever is offered, until it is needed
         with m.If(ready):
             m.d.sync += spare.eq(self.i.payload)
+        probe(self, first=first, spare=spare, first_full=first_full, ready=ready)
         return m

@@ -2,46 +2,26 @@
 
 from __future__ import annotations
 
-import sys
+from collections.abc import Mapping
 from pathlib import Path
-from types import FrameType, ModuleType
+from types import ModuleType
 from typing import Any
 
 from amaranth.hdl import Const, Module, Value
 
+Probes = Mapping[str, Any]
 
-class Insides:
-    """What a component is made of by name, for what an induction has to know of it.
 
-    These are the local variables of its methods while it is elaborated, which happens here, once,
-    and the signals that it names itself. The component stays as it is and is used as a submodule as
-    ever. A submodule is opened likewise, before the checker is done.
+def probes_of(component: Any) -> Probes:
+    """The probes that a component declares (see :func:`hdl.parts.probes.probe`).
+
+    It is elaborated here, once, and used as a submodule as ever. A submodule is opened likewise,
+    before the checker is done.
     """
-
-    def __init__(self, component: Any) -> None:
-        self._variables: dict[str, list[Any]] = {}
-        file = component.elaborate.__code__.co_filename
-
-        def watch(frame: FrameType, event: str, _: object) -> None:
-            if event == "return" and frame.f_code.co_filename == file:
-                variables = frame.f_locals
-                if variables.get("self") is component:
-                    for name, value in variables.items():
-                        self._variables.setdefault(name, []).append(value)
-
-        before = sys.getprofile()
-        sys.setprofile(watch)
-        try:
-            self.module: Module = component.elaborate(None)
-        finally:
-            sys.setprofile(before)
-        component.elaborate = lambda platform: self.module
-
-    def __getitem__(self, name: str) -> Any:
-        found = self._variables.get(name) or [s for s in self.module._driving if s.name == name]
-        if len({id(value) for value in found}) != 1:
-            raise KeyError(f"{len(found)} things are named {name!r}; there are: {', '.join(self._variables)}")
-        return found[0]
+    module: Module = component.elaborate(None)
+    component.elaborate = lambda platform: module
+    probes: Probes = getattr(component, "probes", {})
+    return probes
 
 
 def stored(m: Module, memory: Any, place: Value | int) -> Value:

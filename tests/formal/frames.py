@@ -7,7 +7,7 @@ from typing import Any
 from amaranth.hdl import Assert, Cat, Module, Mux, Signal, Value
 
 from hdl.build import Build
-from tests.formal.design import Insides
+from tests.formal.design import Probes
 from tests.formal.properties import Scoreboard, invariant, moves, within
 
 PARAMETERS = Build.profile("paper")
@@ -35,7 +35,7 @@ class Place:
             m.d.sync += [self.x.eq(self.next_x), self.y.eq(self.next_y)]
 
 
-def counts(m: Module, inside: Insides, place: Place, width: Value, height: Value) -> None:
+def counts(m: Module, inside: Probes, place: Place, width: Value, height: Value) -> None:
     """The guard's own counters say the same, but for x while a line is too long."""
     x, surplus = inside["x"], inside["surplus"]
     invariant(m, (place.x < width) & (place.y < height), "a pixel is out of range")
@@ -63,7 +63,7 @@ def claim(m: Module, holds: Any, message: str, known: bool) -> None:
         m.d.comb += Assert(holds, message)
 
 
-def guard_model(m: Module, dut: Any, inside: Insides, restarted: Signal, *, known: bool = False) -> Place:
+def guard_model(m: Module, dut: Any, inside: Probes, restarted: Signal, *, known: bool = False) -> Place:
     """Assert the fate of each beat as in ``golden.video``; returns the next pixel's place.
 
     ``known``: it is proven elsewhere, and only helps the proof of something else.

@@ -7,14 +7,14 @@ from typing import Any
 
 from amaranth.hdl import Module, Value
 
-from tests.formal.design import Insides, stored
+from tests.formal.design import Probes, stored
 from tests.formal.properties import Scoreboard, invariant
 
 
 def queue_holds(
     m: Module,
     queue: Any,
-    inside: Insides,
+    inside: Probes,
     board: Scoreboard,
     depth: int,
     compared: Callable[[Value], Value] = lambda kept: kept,

@@ -13,7 +13,7 @@ from amaranth.hdl import Assert, Cat, Cover, Elaboratable, Module, Mux, Signal, 
 import hdl.edges.axi
 from hdl.edges.axi import OKAY, SLVERR
 from tests.formal.claims import Case, Claim, Fault, cases
-from tests.formal.design import Insides
+from tests.formal.design import probes_of
 from tests.formal.properties import free, invariant, moves, stable, within
 
 
@@ -85,7 +85,7 @@ class LiteChecker(Elaboratable):
         m = Module()
         m.submodules.dut = dut = self._design.AxiLite()
         free(m, dut)
-        self._awake = awake = Insides(dut)["awake"]
+        self._awake = awake = probes_of(dut)["awake"]
         bus = dut.bus
         b = Channel(dut.bvalid, dut.bready, dut.bresp)
         stable(m, b, "b")

@@ -13,8 +13,9 @@ from amaranth.lib.wiring import In, Out
 
 import hdl.parts.queue
 import hdl.parts.stream
+from hdl.parts.probes import probe
 from tests.formal.claims import Case, Claim, Fault, cases
-from tests.formal.design import Insides
+from tests.formal.design import probes_of
 from tests.formal.properties import (
     Scoreboard,
     accepts_within,
@@ -38,7 +39,7 @@ class SkidChecker(Elaboratable):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         m.submodules.dut = dut = self._design.SkidBuffer(BITS, closed_in_reset=self._closed)
-        inside = Insides(dut)
+        inside = probes_of(dut)
         free(m, dut)
         board = stream_rules(m, dut.i, dut.o, capacity=2, leaves=1, accepts=2)
         full, ready = inside["first_full"], inside["ready"]
@@ -98,7 +99,7 @@ class QueueChecker(Elaboratable):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         m.submodules.dut = dut = self._design.Queue(BITS, self._depth)
-        inside = Insides(dut)
+        inside = probes_of(dut)
         free(m, dut)
         late, one_more = Signal(init=1), Signal()
         m.d.sync += [late.eq(dut.room), one_more.eq(late & dut.i.valid)]
@@ -166,6 +167,7 @@ class TwoRegisters(wiring.Component):
             self.o.valid.eq(pipe.delay(pipe.valid, 2, "valid", reset=True)),
             self.o.payload.eq(pipe.delay(self.i.payload, 2, "data")),
         ]
+        probe(self, **pipe.registers)
         return m
 
 
@@ -176,7 +178,7 @@ class PipelineChecker(Elaboratable):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         m.submodules.dut = dut = TwoRegisters(self._design)
-        inside = Insides(dut)
+        inside = probes_of(dut)
         free(m, dut)
         # with the permission, it is as any block
         assume_stable(m, dut.i, "i")

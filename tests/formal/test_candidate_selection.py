@@ -16,7 +16,7 @@ from hdl.build import Build
 from hdl.candidate_selection import INSIDE
 from hdl.parts.queue import ROOM
 from tests.formal.claims import Case, Claim, Fault, cases
-from tests.formal.design import Insides, variant
+from tests.formal.design import probes_of, variant
 from tests.formal.properties import (
     Scoreboard,
     accepts_within,
@@ -45,8 +45,8 @@ class SelectionChecker(Elaboratable):
         design = self._design
         parameters = DEFAULT if design.INSIDE == INSIDE else SHORT
         m.submodules.dut = dut = design.CandidateSelection(parameters)
-        inside = Insides(dut)
-        candidates, waiting = Insides(inside["candidates"]), Insides(inside["pending"])
+        inside = probes_of(dut)
+        candidates, waiting = probes_of(inside["candidates"]), probes_of(inside["pending"])
         free(m, dut)
         centre, texture = dut.corners.payload, dut.textures.payload
         after_end = Signal()

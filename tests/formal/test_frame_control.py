@@ -13,7 +13,7 @@ import hdl.frame_control
 from golden.formats import SUPPORT
 from hdl.build import Build
 from tests.formal.claims import Case, Claim, Fault, cases
-from tests.formal.design import Insides, variant
+from tests.formal.design import probes_of, variant
 from tests.formal.properties import (
     Scoreboard,
     accepts_within,
@@ -45,7 +45,7 @@ class FrameControlChecker(Elaboratable):
         least = self._design.SUPPORT
         parameters = DEFAULT if least == SUPPORT else SMALL
         m.submodules.dut = dut = self._design.FrameControl(parameters)
-        inside = Insides(dut)
+        inside = probes_of(dut)
         free(m, dut)
         assume_stable(m, dut.i, "i")
         stable(m, dut.o, "o")

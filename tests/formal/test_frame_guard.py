@@ -21,7 +21,7 @@ from amaranth.hdl import (
 
 import hdl.edges.frame_guard
 from tests.formal.claims import Case, Claim, Fault, cases
-from tests.formal.design import Insides
+from tests.formal.design import probes_of
 from tests.formal.frames import PARAMETERS, Place, allowed, counts, guard_model, receiver, restarted_since_cut
 from tests.formal.properties import (
     Scoreboard,
@@ -43,7 +43,7 @@ class AnyVideoChecker(Elaboratable):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         m.submodules.dut = dut = self._design.FrameGuard(PARAMETERS)
-        inside = Insides(dut)
+        inside = probes_of(dut)
         free(m, dut)
         restarted = restarted_since_cut(m, dut)
         m.d.comb += [
@@ -80,7 +80,7 @@ class GoodVideoChecker(Elaboratable):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         m.submodules.dut = dut = self._design.FrameGuard(PARAMETERS)
-        inside = Insides(dut)
+        inside = probes_of(dut)
         free(m, dut, but=("width", "height", "enable", "restart", "resume"))
         width, height = AnyConst(16), AnyConst(16)
         m.d.comb += [

@@ -14,7 +14,7 @@ from golden.formats import COORDINATE_BITS, OFFSET_BITS
 from golden.output_constructor import COUNT_BITS, FLAG_SHIFT, FRAME_BITS, RESPONSE_SHIFT
 from hdl.build import Build
 from tests.formal.claims import Case, Claim, Fault, cases
-from tests.formal.design import Insides
+from tests.formal.design import probes_of
 from tests.formal.properties import Scoreboard, assume_stable, free, invariant, moves, stable, within
 
 PARAMETERS = Build.profile("paper")
@@ -29,7 +29,7 @@ class OutputConstructorChecker(Elaboratable):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         m.submodules.dut = dut = self._design.OutputConstructor(PARAMETERS)
-        inside = Insides(dut)
+        inside = probes_of(dut)
         free(m, dut)
         for name in ("pending", "offset"):
             assume_stable(m, getattr(dut, name), name)

@@ -20,7 +20,7 @@ from golden.output_constructor import (
     RESPONSE_SHIFT,
 )
 from tests.formal.claims import Case, Claim, Fault, cases
-from tests.formal.design import Insides
+from tests.formal.design import probes_of
 from tests.formal.properties import (
     Scoreboard,
     accepts_within,
@@ -58,7 +58,7 @@ class PacketChecker(Elaboratable):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         m.submodules.dut = dut = self._design.PacketConstructor()
-        inside = Insides(dut)
+        inside = probes_of(dut)
         free(m, dut)
         i, o = dut.i, dut.o
         last, end = i.payload.last, o.payload.record

@@ -23,7 +23,7 @@ from amaranth.hdl import Assert, C, Cat, Cover, Elaboratable, Module, Mux, Signa
 import hdl.square_root
 from hdl.build import Build
 from tests.formal.claims import Case, Claim, Fault, cases
-from tests.formal.design import Insides, stored, variant
+from tests.formal.design import Probes, probes_of, stored, variant
 from tests.formal.properties import free, invariant
 
 ROOT_BITS = Build.profile("paper").root_bits
@@ -49,8 +49,8 @@ class StagesChecker(Elaboratable):
     def elaborate(self, platform: Any) -> Module:
         m, bits = Module(), self._bits
         m.submodules.dut = dut = self._design.SquareRoot(bits, self._per_stage)
-        lines = [Insides(line) if line.memory_bits else None for line in dut._lines]
-        inside = Insides(dut)
+        lines = [probes_of(line) if line.memory_bits else None for line in dut._lines]
+        inside = probes_of(dut)
         free(m, dut)
         known = [Known(C(1), dut.radicand, C(0, 0), C(0, 0))]
         for stage in range(dut.latency):
@@ -93,7 +93,7 @@ class StagesChecker(Elaboratable):
             m.d.sync += [there.eq(before.there), *(k.eq(v) for k, v in zip(after, values, strict=True))]
         return Known(there, *after)
 
-    def _registers(self, m: Module, inside: Insides, now: Known, done: int) -> None:
+    def _registers(self, m: Module, inside: Probes, now: Known, done: int) -> None:
         """What a stage's registers hold after so many bits."""
         remainder, kept = inside[f"remainder_{done - 1}"].as_signed(), inside[f"root_{done - 1}"]
         root, excess, negative = now.root, now.excess, remainder < 0
@@ -111,8 +111,8 @@ class StagesChecker(Elaboratable):
         self,
         m: Module,
         dut: Any,
-        inside: Insides,
-        lines: list[Insides | None],
+        inside: Probes,
+        lines: list[Probes | None],
         radicands: list[Value],
         there: list[Value],
     ) -> None:
@@ -140,16 +140,15 @@ class StagesChecker(Elaboratable):
                         invariant(m, waiting == digit, f"a digit differs in a delay line of {line.latency}")
 
 
-def _words(m: Module, line: Any, inside: Insides) -> list[Value]:
+def _words(m: Module, line: Any, inside: Probes) -> list[Value]:
     """What is inside a delay line, first the newest."""
     place, depth = inside["place"], line._depth
     invariant(m, place < depth, "a place is outside of the ring")
-    rings = [getattr(inside.module.submodules, f"ring_{k}") for k in range(len(inside["read_out"]))]
     words = []
     for later in range(1, depth + 1):
         behind = Signal(range(depth))
         m.d.comb += behind.eq(Mux(place < later, place + depth - later, place - later))
-        words.append(Cat(stored(m, ring, behind) for ring in rings))
+        words.append(Cat(stored(m, ring, behind) for ring in inside["rings"]))
     return [*words, Cat(inside["read_out"]), inside["delayed_1"]]
 
 

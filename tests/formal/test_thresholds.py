@@ -12,7 +12,7 @@ from amaranth.hdl import Assert, Cover, Elaboratable, Module, Mux, Signal
 import hdl.thresholds
 from hdl.build import Build
 from tests.formal.claims import Case, Claim, Fault, cases
-from tests.formal.design import Insides, variant
+from tests.formal.design import probes_of, variant
 from tests.formal.properties import Scoreboard, assume_stable, free, invariant, moves, stable, within
 
 DEFAULT = Build.profile("paper")
@@ -29,7 +29,7 @@ class ThresholdsChecker(Elaboratable):
         bits = self._design.SIGMA2_BITS
         parameters = DEFAULT if bits == hdl.thresholds.SIGMA2_BITS else NARROW
         m.submodules.dut = dut = self._design.Thresholds(parameters)
-        inside = Insides(dut)
+        inside = probes_of(dut)
         free(m, dut)
         for name in ("i", "settings"):
             assume_stable(m, getattr(dut, name), name)

@@ -13,7 +13,7 @@ import hdl.edges.video_detector
 from golden.output_constructor import CUT_SHIFT
 from tests.formal.abstract_detector import LATE, AbstractDetector
 from tests.formal.claims import Case, Claim, Fault, cases
-from tests.formal.design import Insides
+from tests.formal.design import Probes, probes_of
 from tests.formal.frames import LEAST, PARAMETERS, Place, allowed, guard_model, receiver, restarted_since_cut
 from tests.formal.properties import Scoreboard, free, invariant, moves, stable, within
 
@@ -36,9 +36,9 @@ class VideoDetectorChecker(Elaboratable):
         m = Module()
         self.detector = detector = AbstractDetector(PARAMETERS, MOST)
         m.submodules.dut = self.dut = dut = self._design.VideoDetector(PARAMETERS, detector=detector)
-        self.inside = Insides(dut)
+        self.inside = probes_of(dut)
         self.guard, self.packets = guard, packets = dut._guard, dut._packets
-        guard_inside, packets_inside, _ = (Insides(part) for part in (guard, packets, detector))
+        guard_inside, packets_inside, _ = (probes_of(part) for part in (guard, packets, detector))
         free(m, dut)
         self._assume_software(m)
         stable(m, dut.records, "records")
@@ -90,7 +90,7 @@ class VideoDetectorChecker(Elaboratable):
         self.asked = asked
         m.d.comb += Assume(control.reset | ~asked) if self.resets else Assume(~control.reset)
 
-    def _contracts(self, m: Module, packets_inside: Insides) -> None:
+    def _contracts(self, m: Module, packets_inside: Probes) -> None:
         """What the proofs of guard and packet constructor assume."""
         guard, packets = self.guard, self.packets
         asked = Signal()
