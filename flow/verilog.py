@@ -103,6 +103,11 @@ def convert(component: wiring.Component, name: str, remarks: list[str]) -> str:
     its own frame; otherwise frames would influence each other. A test fills all these memories with
     noise at power-on and expects the same records. Memories that start with anything but zeros, or
     have no write port (tables), keep their contents.
+
+    Raises
+    ------
+    VerilogError
+        Yosys refused the design.
     """
     source = rtlil.convert(component, name=name, emit_src=False)
     source = _MODULE.sub(lambda match: _given_names_first(match[0]), without_zeros(source))
@@ -138,7 +143,10 @@ def plain_names(text: str, top: str) -> str:
 
 
 def plain_ports(text: str, top: str) -> str:
-    """Verilog whose module ``top`` has ports named by ``hdl.identifiers.plain_port``."""
+    """Verilog whose module ``top`` has ports named by ``hdl.identifiers.plain_port``.
+
+    :class:`VerilogError` if there is no such module, or two ports would have one name.
+    """
     start = re.search(rf"^module {top}\(", text, re.MULTILINE)
     if start is None:
         raise VerilogError(f"there is no module {top}")

@@ -30,7 +30,10 @@ def require(package: str, extra: str = "synth") -> str:
 
 
 def run(package: str, function: str, arguments: list[str], folder: Path) -> None:
-    """Call ``function`` of a package of tools in a folder: the tool sees only what is in there."""
+    """Call ``function`` of a package of tools in a folder: the tool sees only what is in there.
+
+    :class:`ToolNotFoundError` or :class:`ToolError` if it is missing or fails.
+    """
     require(package)
     module = package.replace("-", "_")
     call = f"import sys, {module}; sys.exit({module}.{function}(sys.argv[1:]))"

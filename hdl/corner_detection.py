@@ -118,4 +118,5 @@ class CornerDetection(Maxima):
 
 
 def larger(a: Value, b: Value) -> Value:
+    """The larger one of two numbers."""
     return Mux(a > b, a, b)

@@ -39,6 +39,11 @@ def make_engine(
         Called with one line before anything that takes seconds, such as compiling.
     cache
         Directory for compiled simulators; default: see :func:`sim.cache.cache_directory`.
+
+    Raises
+    ------
+    ValueError
+        There is no such engine, or ``verilog`` is missing.
     """
     if name == "amaranth":
         return AmaranthEngine(component)

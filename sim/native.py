@@ -63,7 +63,10 @@ def _pointer(array: np.ndarray, kind: Any) -> Any:
 
 
 def load(path: Path) -> ctypes.CDLL:
-    """The library with the types of its functions declared."""
+    """The library with the types of its functions declared.
+
+    ``CompilationError`` if it cannot be loaded; it is deleted then.
+    """
     try:
         library = ctypes.CDLL(str(path))
     except OSError as error:

@@ -41,7 +41,10 @@ def verilator_root() -> Path:
 
 
 def verilog_ports(text: str) -> tuple[str, set[str]]:
-    """Top module and its ports: the last module in the text that no other one instantiates."""
+    """Top module and its ports: the last module in the text that no other one instantiates.
+
+    ``ValueError`` if there is none.
+    """
     name = r"\\\S+|\w+"
     modules = re.findall(rf"^module\s+({name})\s*(.*?)^endmodule", text, re.MULTILINE | re.DOTALL)
     instance = re.compile(rf"^\s+({name})\s+(?:{name})\s+\(\s*$", re.MULTILINE)

@@ -86,10 +86,12 @@ def mean(values: Values) -> Values:
 
 
 def median(values: Values) -> Values:
+    """Median of the first column."""
     return np.asarray(np.median(values[..., 0], axis=-1))
 
 
 def percentile_95(values: Values) -> Values:
+    """95th percentile of the first column."""
     return np.asarray(np.percentile(values[..., 0], 95, axis=-1))
 
 

@@ -137,6 +137,7 @@ def area_tree(design: Json, top: str, memory_bits: dict[str, int], multipliers: 
     """Area of the top module and of each instance below it.
 
     ``memory_bits`` and ``multipliers`` are by module: the mapped cells do not tell them.
+    ``ValueError`` if a module has cells that the map does not know.
     """
     modules = design["modules"]
 

@@ -126,7 +126,7 @@ def _size(device: Device) -> str:
 
 
 def read_report(report: dict[str, Any], device: Device, *, seed: int) -> Timing:
-    """The figures in nextpnr's JSON report; the design has one clock."""
+    """The figures in nextpnr's JSON report; ``ToolError`` unless the design has one clock."""
     if len(report["fmax"]) != 1:
         raise ToolError(f"nextpnr reports {len(report['fmax'])} clocks instead of one")
     (fmax,) = report["fmax"].values()

@@ -31,6 +31,13 @@ class AvalonCore(wiring.Component):
     next one begins too early. Frame sizes come from the registers; control packets and user packets
     are ignored.
 
+    Parameters
+    ----------
+    build
+        What to build.
+    detector
+        See :class:`hdl.edges.video_detector.VideoDetector`.
+
     Members
     -------
     asi_video_*

@@ -106,6 +106,13 @@ class AxiLite(wiring.Component):
 class AxiCore(wiring.Component):
     """The core with AXI edges; ports have the names that cocotbext-axi and Vivado expect.
 
+    Parameters
+    ----------
+    build
+        What to build.
+    detector
+        See :class:`hdl.edges.video_detector.VideoDetector`.
+
     Members
     -------
     s_axis_*

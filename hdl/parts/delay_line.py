@@ -38,6 +38,11 @@ class DelayLine(wiring.Component):
         The line moves: ``advance`` of the pipeline around.
     i, o
         The value, and the same ``clocks`` enabled clocks later.
+
+    Raises
+    ------
+    ValueError
+        ``clocks`` is below 0.
     """
 
     def __init__(self, shape: ShapeLike, clocks: int) -> None:

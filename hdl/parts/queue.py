@@ -37,7 +37,12 @@ class Queue(wiring.Component):
     o
         Stream of ``shape``, two clocks later.
     room
-        At least three places are free, counted without what is put in now.
+        At least three places are free, counted without the beat that is put in now.
+
+    Raises
+    ------
+    ValueError
+        ``depth`` is below :data:`ROOM`.
     """
 
     latency = 2

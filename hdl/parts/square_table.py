@@ -33,6 +33,11 @@ class SquareTable(wiring.Component):
         The two numbers.
     square
         Their squares, ``2·bits`` wide (signed: two less), two enabled clocks later.
+
+    Raises
+    ------
+    ValueError
+        ``bits`` is too small.
     """
 
     latency = 2
