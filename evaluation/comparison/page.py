@@ -58,7 +58,8 @@ _INTRODUCTION = """# Beside the paper and its peers
 Written by `cornerstream compare`, which measures every figure of ours on this page and keeps them
 in [comparison.json](comparison.json); do not edit it. The paper's figures are Quartus', after
 fitting. Ours are estimates by other tools, because Quartus was not available: the [notes](#notes)
-say which tool estimated what. `paper` is the profile that the paper's tables are compared with."""
+say which tool estimated what. They are those of the bare detector (`--interface stream`), without
+AXI edges and registers. `paper` is the profile that the paper's tables are compared with."""
 
 
 def _shown(headings: list[str], rows: list[list[str]], names: int = 1) -> str:
