@@ -35,7 +35,7 @@ _GENERATORS = ("compiled_engine.py", "native.py")
 
 
 def top_ports(text: str) -> set[str]:
-    """Names of the ports of the top module in RTLIL text; ``ValueError`` if it has none."""
+    """Names of the ports of the top module in RTLIL text; ``ValueError`` if it is missing."""
     body = re.search(rf"^module \\{_TOP}\n(.*?)^end\n", text, re.MULTILINE | re.DOTALL)
     if body is None:
         raise ValueError("the design is empty")
