@@ -24,6 +24,7 @@ from hdl.build import Build
 from hdl.detector import Detector
 from sim import Stalls, Stimulus, compare, make_engine, simulate_frames, summarize
 from sim.verilator import verilator_root
+from tests.support.builds import each
 from tests.support.photographs import photograph
 
 SMALL = {"max_width": 40, "max_height": 32}
@@ -166,7 +167,7 @@ def noise_at_power_on(text: str) -> tuple[str, int]:
     return declared.sub(fill, text), memories
 
 
-@pytest.mark.parametrize("name", ["paper", "robust"])
+@each("name", {name: name for name in ("paper", "robust")}, quick=["robust"])
 def test_no_record_depends_on_what_memories_held_at_power_on(tmp_path: Path, name: str) -> None:
     parameters = Build.profile(name, **SMALL)
     detector = Detector(parameters)

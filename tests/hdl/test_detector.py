@@ -149,13 +149,29 @@ def test_photographs(parameters: Parameters, name: str) -> None:
 
 
 @pytest.mark.parametrize("stalls", STALLS.values(), ids=STALLS.keys())
-@pytest.mark.parametrize("buffering", ["banked", "lean"])
-def test_photograph_under_stalls(buffering: str, stalls: Stalls, camera: NDArray[np.uint8]) -> None:
-    parameters = Build.profile("paper", buffering=buffering)
+@each(
+    "parameters",
+    {"banked": PAPER, "lean": ROBUST, "paper lean": Build.profile("paper", buffering="lean")},
+    # those that photographs are tried on anyway, one of each buffering
+    quick=("banked", "lean"),
+)
+def test_photograph_under_stalls(parameters: Build, stalls: Stalls, camera: NDArray[np.uint8]) -> None:
     image = camera[100:300, 150:450]
     run(parameters, [(image, Settings()), (image, both_kinds(parameters))], stalls)
 
 
+@pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
+def test_the_widest_and_the_highest_frames(parameters: Parameters) -> None:
+    """Every place of the buffers, and every number of a row and a column, in both orders."""
+    brick = np.tile(photograph("brick"), (3, 4))
+    sizes = [(32, 1920), (1080, 32), (1080, 32), (32, 1920)]
+    frames = [(brick[:height, :width], both_kinds(parameters)) for height, width in sizes]
+    result = run(parameters, frames)
+    assert all(len(frame.records) > 20 for frame in result.frames)
+    assert [result.frames[k].clocks for k in (0, 2)] == [32 * 1920, 1080 * 32]
+
+
+@pytest.mark.verify
 @pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])
 def test_full_hd_at_the_built_maximum(parameters: Parameters) -> None:
     image = np.tile(photograph("brick"), (3, 4))[:1080, :1920]

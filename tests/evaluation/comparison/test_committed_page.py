@@ -20,6 +20,8 @@ from evaluation.comparison.figures import (
 )
 from evaluation.figures import Figures
 from evaluation.report.compact import compact
+from hdl.build import Build
+from tests.support.builds import each
 
 DOCS = Path(__file__).parents[3] / "docs" / "results"
 QUICK = builds(SIZES[-1:])
@@ -66,7 +68,11 @@ def test_committed_figures_reach_the_targets(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("build", QUICK, ids=lambda build: build.name)
+@each(
+    "build",
+    {build.name: build for build in QUICK},
+    quick=[build.name for build in QUICK if build.buffering == Build.profile(build.profile).buffering],
+)
 def test_cheap_figures_are_measured_anew(build: Variant) -> None:
     (kept,) = (
         found
