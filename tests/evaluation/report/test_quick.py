@@ -9,12 +9,18 @@ import pytest
 from cornerstream.cli import main
 from evaluation.inputs.scenes import KINDS
 from evaluation.methods.detectors import PLAIN
+from tests.support.builds import each
 from tests.support.runner import CliRunner
 
 
+# that every section runs is seen on less, by test_study.py
+SECTIONS = {"these sections": ("--only", "accuracy", "--only", "repeatability"), "all": ()}
+
+
 @pytest.mark.slow
-def test_quick_study_finds_what_the_page_says() -> None:
-    result = CliRunner().invoke(main, ["eval", "--quick", "--json"], prog_name="cornerstream")
+@each("only", SECTIONS, quick=["these sections"])
+def test_quick_study_finds_what_the_page_says(only: tuple[str, ...]) -> None:
+    result = CliRunner().invoke(main, ["eval", "--quick", "--json", *only], prog_name="cornerstream")
     assert result.exit_code == 0, result.output
     found = json.loads(result.stdout)
     accuracy = found["accuracy"]
