@@ -21,7 +21,6 @@ from hdl.build import Build
 from hdl.centre_rows import CentreRows
 from hdl.response_filter import ResponseFilter as ResponseFilterBlock
 from hdl.texture_filter import TextureFilter
-from hdl.thresholds import thresholds_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls, Stimulus
 from tests.support.blocks import (
@@ -30,17 +29,14 @@ from tests.support.blocks import (
     RUN_IDS,
     RUNS,
     Array,
-    Words,
-    assert_timing,
+    check_block,
     columns,
-    completing,
     engine,
     extremes,
     noise,
-    pack,
-    pack_samples,
+    packed,
     raster,
-    run,
+    run_block,
     same,
 )
 
@@ -95,30 +91,18 @@ def peaks_and_windows(frame: Array, kind: ResponseFilter) -> tuple[Array, Array]
 
 
 def streams(
-    kind: ResponseFilter,
-    frames: list[Array],
-    limits: list[tuple[int, int]],
-    pixel_bits: int = 8,
-    **changes: Any,
-) -> tuple[dict[str, Words], dict[str, Words]]:
+    kind: ResponseFilter, frames: list[Array], limits: list[tuple[int, int]]
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """``limits``: T1 and weight of each frame. Every other frame also reports what is rejected."""
-    parameters = built(kind, pixel_bits).changed(**changes)
-    block = InStep(parameters)
     reported = [k % 2 for k in range(len(frames))]
     results = []
     for frame, (t1, weight), report in zip(frames, limits, reported, strict=True):
         accepted, response = adaptive_threshold(*peaks_and_windows(frame, kind), t1, weight)
         results.append(np.stack([~accepted, accepted | bool(report), response], axis=-1))
-    tagged = raster(results)
-    fields = ("textured", "keep", "response")
-    tagged["data"] = {field: tagged["data"][:, k] for k, field in enumerate(fields)}
     t1s, weights = (np.array(values) for values in zip(*limits, strict=True))
     thresholds = {"t1": t1s, "t2": weights, "report_rejected": np.array(reported)}
-    given = {
-        "i": pack_samples(block.i.payload.shape(), columns(frames, 9)),
-        "thresholds": pack(thresholds_layout(parameters), thresholds),
-    }
-    return given, {"o": pack(block.o.payload.shape(), tagged)}
+    given = {"i": columns(frames, 9), "thresholds": thresholds}
+    return given, {"o": raster(results, ("textured", "keep", "response"))}
 
 
 def check(
@@ -129,12 +113,15 @@ def check(
     stalls: Stalls = NO_STALLS,
     pixel_bits: int = 8,
 ) -> Capture:
-    given, expected = streams(kind, frames, limits, pixel_bits)
-    capture = run(engine(name, InStep, built(kind, pixel_bits)), given, expected, stalls)
-    if stalls == NO_STALLS:
-        sizes = [(len(frame) - 8, frame.shape[1]) for frame in frames]
-        assert_timing(capture, AdaptiveThreshold.latency, completing(sizes, 9))
-    return capture
+    return check_block(
+        (InStep, built(kind, pixel_bits)),
+        *streams(kind, frames, limits),
+        name,
+        stalls,
+        window=9,
+        latency=AdaptiveThreshold.latency,
+        held={"thresholds": "o"},
+    )
 
 
 def between(frame: Array, kind: ResponseFilter, weight: int) -> int:
@@ -158,11 +145,9 @@ def test_centres_of_more_rows(radius: int) -> None:
     """Columns as a larger radius of suppression needs them, which come later."""
     frames = noise([(25, 30), (9, 9), (14, 9)], FULL)
     limits = [(between(frame, "binomial", 4), 4) for frame in frames]
-    changes = {"fit": "gradient", "suppression": radius}
-    given, expected = streams("binomial", frames, limits, **changes)
-    parameters = built("binomial").changed(**changes)
+    block = InStep, built("binomial").changed(fit="gradient", suppression=radius)
     for stalls in (NO_STALLS, Stalls(inputs=0.3, outputs=0.4, seed=13)):
-        run(engine("compiled", InStep, parameters), given, expected, stalls)
+        run_block(block, *streams("binomial", frames, limits), stalls=stalls)
 
 
 @both
@@ -217,18 +202,12 @@ def test_each_result_has_its_own_frames_threshold(
     check(kind, frames, [(0, 0), (FULL, 0), (0, 15), (0, 1)] * 3, name, stalls)
 
 
-def test_thresholds_are_kept_until_the_last_result_is_taken() -> None:
-    frames = noise([(9, 12), (10, 9)], FULL, 4)
-    capture = check("none", frames, [(1000, 4), (2000, 2)])
-    last_results = np.cumsum([4, 2]) - 1
-    assert np.array_equal(capture.input_clocks["thresholds"], capture.output_clocks["o"][last_results])
-
-
 @both
 def test_reset_in_mid_window_leaves_nothing_of_what_was_before(kind: ResponseFilter) -> None:
     before, after = noise([(20, 21), (14, 15)], FULL, 6)
-    old, _ = streams(kind, [before], [(9, 4)])
-    new, expected = streams(kind, [after], [(20_000, 4)])
+    block = InStep, built(kind)
+    old = packed(block, streams(kind, [before], [(9, 4)])[0])
+    new, expected = (packed(block, some) for some in streams(kind, [after], [(20_000, 4)]))
     for cut in (1, 9, 30, 100):
         beats = {
             "i": np.concatenate([old["i"][:cut], new["i"]]),
@@ -236,7 +215,7 @@ def test_reset_in_mid_window_leaves_nothing_of_what_was_before(kind: ResponseFil
             "thresholds": np.concatenate([old["thresholds"], new["thresholds"]]),
         }
         stimulus = Stimulus(beats, [], NO_STALLS, reset_after=cut)
-        words = engine("compiled", InStep, built(kind)).run(stimulus, quiet=200).outputs["o"]
+        words = engine("compiled", *block).run(stimulus, quiet=200).outputs["o"]
         same("o", words[len(words) - len(expected["o"]) :], expected["o"])
 
 

@@ -15,21 +15,9 @@ from golden.formats import SUPPORT
 from golden.parameters import Parameters
 from hdl.build import Build
 from hdl.frame_control import FrameControl
-from hdl.parts.stream import Beat
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.support.blocks import (
-    NO_STALLS,
-    RUN_IDS,
-    RUNS,
-    Size,
-    assert_timing,
-    engine,
-    noise,
-    pack,
-    raster,
-    run,
-)
+from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, Size, check_block, noise, raster
 
 # settings of 4-bit pixels fit the one word in which plain inputs are set
 ODD = Build.profile("paper", pixel_bits=4, max_width=37, max_height=21)
@@ -68,18 +56,15 @@ def check(
             levels.append((start + frame.size - 1, {"width": 30, "height": 16, "next_settings": word >> 1}))
         start += frame.size
     beats = raster(frames)
-    capture = run(
-        engine(name, FrameControl, parameters),
-        {"i": beats["data"].astype(np.uint64)},
-        {
-            "o": pack(Beat(parameters.pixel_bits), beats),
-            "settings": np.array(latched, np.uint64),
-        },
+    capture = check_block(
+        (FrameControl, parameters),
+        {"i": beats["data"]},
+        {"o": beats, "settings": np.array(latched, np.uint64)},
+        name,
         stalls,
         levels=levels,
     )
     if stalls == NO_STALLS:
-        assert_timing(capture, FrameControl.latency)
         firsts = np.cumsum([0, *(frame.size for frame in frames)])[:-1]
         assert np.array_equal(capture.output_clocks["settings"], capture.input_clocks["i"][firsts] + 1)
     return capture

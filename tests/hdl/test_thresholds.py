@@ -18,7 +18,7 @@ from golden import thresholds as golden
 from golden.parameters import Parameters
 from golden.settings import Settings
 from hdl.build import Build
-from hdl.thresholds import Thresholds, settings_layout, thresholds_layout
+from hdl.thresholds import Thresholds, settings_layout
 from sim.engine import EngineName, SimulationHang
 from sim.stimulus import Capture, Stalls, Stimulus
 from tests.support.blocks import (
@@ -35,8 +35,9 @@ from tests.support.blocks import (
     noise,
     pack,
     pack_samples,
+    packed,
     raster,
-    run,
+    run_block,
 )
 from tests.support.strategies import sigmas
 
@@ -94,8 +95,7 @@ def check(
     stalls: Stalls = NO_STALLS,
     adapted: int | None = None,
 ) -> Capture:
-    block = Thresholds(parameters)
-    beats = pack_samples(block.i.payload.shape(), raster([responses for responses, _ in frames]))
+    beats = packed((Thresholds, parameters), {"i": raster([responses for responses, _ in frames])})["i"]
     expected = limits(frames, parameters, adapted)
     known = 0 if adapted is None else adapted | 1 << parameters.response_bits
     fields = {
@@ -104,10 +104,12 @@ def check(
         "report_rejected": np.array([settings.report_rejected for _, settings in frames]),
         **budget_fields(parameters, [settings for _, settings in frames]),
     }
-    return run(
-        engine(name, Thresholds, parameters),
+    # a frame waits for the thresholds before: who waits for whom, the tests assert themselves
+    return run_block(
+        (Thresholds, parameters),
         {"i": beats, "settings": pack_settings(parameters, [settings for _, settings in frames])},
-        {"o": beats, "thresholds": pack(thresholds_layout(parameters), fields)},
+        {"o": beats, "thresholds": fields},
+        name,
         stalls,
         levels=[(0, {"largest": LARGEST, **({"adapted": known} if parameters.budget else {})})],
     )

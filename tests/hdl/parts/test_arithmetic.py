@@ -17,7 +17,7 @@ from hdl.build import Build
 from hdl.detector import Detector
 from hdl.parts.arithmetic import add_with_carry
 from sim.engine import EngineName
-from tests.support.blocks import ENGINES, engine, pack, run
+from tests.support.blocks import ENGINES, check_block
 
 Int64 = NDArray[np.int64]
 
@@ -47,10 +47,8 @@ class Sum(wiring.Component):
 def check(a_bits: int, b_bits: int, a: Int64, b: Int64, name: EngineName = "compiled") -> None:
     """Every a with every b, without and with carry."""
     a, b, carry = (grid.reshape(-1) for grid in np.meshgrid(a, b, [0, 1]))
-    block = Sum(a_bits, b_bits)
-    given = pack(block.i_shape, {"a": a, "b": b, "carry": carry})
-    expected = pack(block.o_shape, {"sum": a + b + carry})
-    run(engine(name, Sum, a_bits, b_bits), {"i": given}, {"o": expected})
+    given, expected = {"a": a, "b": b, "carry": carry}, {"sum": a + b + carry}
+    check_block((Sum, a_bits, b_bits), {"i": given}, {"o": expected}, name, latency=0)
 
 
 @pytest.mark.parametrize(("a_bits", "b_bits"), [(1, 1), (3, 5), (5, 3), (6, 6)])

@@ -10,7 +10,7 @@ from hdl.parts.delay_line import DelayLine
 from hdl.parts.stream_delay import StreamDelay
 from sim.engine import EngineName
 from sim.stimulus import Stalls
-from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, run
+from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, check_block
 
 BITS = 21
 """More than one memory is wide."""
@@ -19,10 +19,9 @@ BITS = 21
 def check(clocks: int, name: EngineName, stalls: Stalls = NO_STALLS) -> None:
     count = 3000 if name == "compiled" else 150
     beats = np.random.default_rng(clocks).integers(0, 1 << BITS, count, np.uint64)
-    capture = run(engine(name, StreamDelay, BITS, clocks + 1), {"i": beats}, {"o": beats}, stalls)
-    if stalls == NO_STALLS:
-        # the last register is that of the beats
-        assert_timing(capture, clocks + 1)
+    # the last register is that of the beats
+    late = clocks + 1
+    check_block((StreamDelay, BITS, late), {"i": beats}, {"o": beats}, name, stalls, latency=late)
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)

@@ -15,7 +15,7 @@ from amaranth.sim import Simulator
 from hdl.parts.queue import ROOM, Queue
 from sim.engine import EngineName
 from sim.stimulus import Stalls
-from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, Words, assert_timing, engine, latency, run
+from tests.support.blocks import RUN_IDS, RUNS, Words, check_block, latency, run_block
 
 BITS = 16
 every_run = pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
@@ -56,11 +56,10 @@ class Heeding(wiring.Component):
 @pytest.mark.parametrize("depth", [4, 5, 16])
 def test_queue(depth: int, name: EngineName, stalls: Stalls) -> None:
     beats = numbers(name)
-    capture = run(engine(name, Heeding, depth, False), {"i": beats}, {"o": beats}, stalls)
+    block, late = (Heeding, depth, False), Queue.latency
+    capture = check_block(block, {"i": beats}, {"o": beats}, name, stalls, latency=late)
     if not stalls.outputs:
-        assert (latency(capture) == Queue.latency).all()
-    if stalls == NO_STALLS:
-        assert_timing(capture, Queue.latency)
+        assert (latency(capture) == late).all()
 
 
 @every_run
@@ -68,7 +67,7 @@ def test_queue(depth: int, name: EngineName, stalls: Stalls) -> None:
 def test_nothing_is_lost_with_one_more_to_come(depth: int, name: EngineName, stalls: Stalls) -> None:
     beats = numbers(name)
     both = np.stack([beats, ~beats & np.uint64((1 << BITS) - 1)], axis=1).reshape(-1)
-    run(engine(name, Heeding, depth, True), {"i": beats}, {"o": both}, stalls, clocks=4)
+    run_block((Heeding, depth, True), {"i": beats}, {"o": both}, name, stalls, clocks=4)
 
 
 @pytest.mark.parametrize("depth", [3, 4, 5, 16, 20])

@@ -16,7 +16,7 @@ from hdl.parts.square_table import SquareTable
 from hdl.parts.stream import Pipeline
 from sim.engine import EngineName
 from sim.stimulus import Stalls
-from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, assert_timing, engine, pack, run
+from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, check_block
 
 
 class Squares(wiring.Component):
@@ -51,15 +51,8 @@ def check(
     name: EngineName,
     stalls: Stalls = NO_STALLS,
 ) -> None:
-    block = Squares(bits, signed_numbers)
-    capture = run(
-        engine(name, Squares, bits, signed_numbers),
-        {"i": pack(block.i.payload.shape(), pairs)},
-        {"o": pack(block.o.payload.shape(), pairs**2)},
-        stalls,
-    )
-    if stalls == NO_STALLS:
-        assert_timing(capture, SquareTable.latency)
+    block, late = (Squares, bits, signed_numbers), SquareTable.latency
+    check_block(block, {"i": pairs}, {"o": pairs**2}, name, stalls, latency=late)
 
 
 @pytest.mark.parametrize(

@@ -15,18 +15,7 @@ from amaranth.sim import Simulator
 from hdl.parts.stream import Beat, Columns, Pipeline, SkidBuffer, WindowCounter
 from sim.engine import EngineName
 from sim.stimulus import Stalls
-from tests.support.blocks import (
-    NO_STALLS,
-    RUN_IDS,
-    RUNS,
-    Size,
-    Words,
-    assert_timing,
-    engine,
-    pack,
-    raster,
-    run,
-)
+from tests.support.blocks import RUN_IDS, RUNS, Size, Words, check_block, pack, raster
 
 BITS = 16
 HISTORY = data.StructLayout({"now": BITS, "beat_before": BITS, "three_clocks": BITS})
@@ -41,9 +30,7 @@ def numbers(name: EngineName, seed: int = 0) -> Words:
 @every_run
 def test_skid_buffer(name: EngineName, stalls: Stalls) -> None:
     beats = numbers(name)
-    capture = run(engine(name, SkidBuffer, BITS), {"i": beats}, {"o": beats}, stalls)
-    if stalls == NO_STALLS:
-        assert_timing(capture, SkidBuffer.latency)
+    check_block((SkidBuffer, BITS), {"i": beats}, {"o": beats}, name, stalls)
 
 
 def test_skid_buffer_holds_two_and_its_ready_comes_from_a_register() -> None:
@@ -109,12 +96,10 @@ def test_pipeline(name: EngineName, stalls: Stalls) -> None:
     """Bubbles between beats do not count as beats; the last beats leave although no more come."""
     beats = numbers(name)
     earlier = np.concatenate([np.zeros(1, np.uint64), beats[:-1]])
-    expected = pack(HISTORY, {"now": beats, "beat_before": earlier, "three_clocks": beats})
-    permissions = np.zeros(len(beats), np.uint64)
-    capture = run(engine(name, Permitted), {"i": beats, "permission": permissions}, {"o": expected}, stalls)
+    expected = {"now": beats, "beat_before": earlier, "three_clocks": beats}
+    given = {"i": beats, "permission": np.zeros(len(beats), np.uint64)}
+    capture = check_block((Permitted,), given, {"o": expected}, name, stalls)
     assert np.array_equal(capture.input_clocks["i"], capture.input_clocks["permission"])
-    if stalls == NO_STALLS:
-        assert_timing(capture, Permitted.latency)
 
 
 class Counted(wiring.Component):
@@ -143,8 +128,8 @@ def test_window_counter(name: EngineName, stalls: Stalls) -> None:
     sizes: list[Size] = [(3, 12), (2, 9), (4, 8), (1, 1), (2, 10)]
     x = [np.tile(np.arange(width), (height, 1)) for height, width in sizes]
     expected = {f"complete_{size}": raster(x)["data"] >= size - 1 for size in Counted.sizes}
-    beats = pack(Beat(1), raster([0 * frame for frame in x]))
-    run(engine(name, Counted), {"i": beats}, {"o": pack(Counted.o_shape, expected)}, stalls)
+    beats = raster([0 * frame for frame in x])
+    check_block((Counted,), {"i": beats}, {"o": expected}, name, stalls, latency=1)
 
 
 def test_layouts() -> None:
