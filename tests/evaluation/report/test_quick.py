@@ -12,7 +12,6 @@ from evaluation.methods.detectors import PLAIN
 from tests.support.builds import each
 from tests.support.runner import CliRunner
 
-
 # that every section runs is seen on less, by test_study.py
 SECTIONS = {"these sections": ("--only", "accuracy", "--only", "repeatability"), "all": ()}
 
