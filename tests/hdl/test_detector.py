@@ -40,8 +40,9 @@ ROBUST = Build.profile("robust")
 SMALL = {"max_width": 64, "max_height": 64}
 # together these hold every value of every field, next to different values of the others
 MIXTURES = {
-    "paper": Build.profile("paper", **SMALL),
-    "robust": Build.profile("robust", **SMALL),
+    # no smaller than for photographs, so that each is compiled once
+    "paper": PAPER,
+    "robust": ROBUST,
     "paper lean, six samples, single pixels": Build.profile(
         "paper", **SMALL, buffering="lean", fit="six", patches="pixels", sqrt_bits_per_stage=3
     ),
@@ -358,7 +359,7 @@ def test_settings_and_size_are_sampled_with_the_first_pixel_only() -> None:
 
 
 def test_sizes_out_of_range_are_taken_as_the_nearest_allowed() -> None:
-    parameters = MIXTURES["robust"]
+    parameters = MIXTURES["robust with budget, suppression"]
     frames = noisy(parameters, [(15, 15), (64, 64)], 1)
     plain = frame_stimulus(frames, parameters, Stalls())
     wrong = [{"width": 3, "height": 0}, {"width": 127, "height": 100}]

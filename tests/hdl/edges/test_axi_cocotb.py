@@ -52,9 +52,12 @@ SHORT: dict[str, dict[str, list[str]]] = {
     "paper-banked": {
         "matrix": [
             f"matrix/frame_size={size}/idle={idle}/stall={stall}"
-            for size in ("least", "odd", "photograph")
-            for idle in ("0.0", "0.4")
-            for stall in ("0.0", "0.5")
+            for size, pauses in {
+                "least": (("0.0", "0.0"), ("0.0", "0.5"), ("0.4", "0.0"), ("0.4", "0.5")),
+                "odd": (("0.4", "0.5"),),
+                "photograph": (("0.0", "0.0"), ("0.4", "0.5")),
+            }.items()
+            for idle, stall in pauses
         ],
         "registers": [
             *("after_reset/bus=0.5", "bytes_of_registers/bus=0.5", "asked_in_reset", "size_refused"),
