@@ -56,6 +56,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cornerstream.synth, "synthesize", made_up)
 
 
+@pytest.mark.verify
 def test_edges_are_mapped_too() -> None:
     """An AXI core is the detector and what stands around it."""
     axi = json.loads(run(*SMALL, "--no-timing", "--json", "--interface", "axi").stdout)
@@ -92,7 +93,7 @@ def test_json_is_one_object_on_stdout(folder: Path) -> None:
     assert "Written: out/netlist.v, out/area.png" in result.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.verify
 def test_timing(folder: Path) -> None:
     figures = json.loads(run(*SMALL, "--json", "--seed", "2").stdout)
     assert 20 < figures["fmax_mhz"] < 500

@@ -28,7 +28,7 @@ def synthesized(buffering: Buffering) -> Synthesis:
 
 
 @pytest.mark.slow
-@each("buffering", {name: name for name in ("lean", "banked")}, quick=["lean"])
+@each("buffering", {name: name for name in ("lean", "banked")}, quick=[])
 def test_netlist_is_bit_exact_on_a_photograph(
     buffering: Buffering, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
 ) -> None:

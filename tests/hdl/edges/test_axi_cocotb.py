@@ -16,6 +16,7 @@ from hdl.build import Build
 from hdl.edges.axi import AxiCore
 from sim.cocotb_bench import Bench, Result, build_bench, check
 from tests.benches.axi import environment
+from tests.support.builds import each
 
 SMALL = {"max_width": 40, "max_height": 32}
 ODD = {"max_width": 37, "max_height": 29}
@@ -117,7 +118,7 @@ def run(
     return results, "\n  ".join([text, *tried])
 
 
-@pytest.mark.parametrize("build", SHORT)
+@each("build", {build: build for build in SHORT}, quick=("paper-banked", "robust-lean-video"))
 def test_short(build: str, tmp_path: Path) -> None:
     for module, tests in SHORT[build].items():
         results, text = run(build, module, tmp_path / module, tests, 1, 16)

@@ -33,7 +33,7 @@ BUILDS = {
         "robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True, budget=True, suppression=2
     ),
 }
-builds = each("parameters", BUILDS, quick=("banked", "lean"))
+builds = each("parameters", BUILDS, quick=("lean",))
 
 
 def video_settings(parameters: Parameters, width: int, height: int, sigma2: float) -> VideoSettings:

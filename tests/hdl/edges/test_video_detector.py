@@ -43,7 +43,7 @@ STALLS = {
     "input idles": Stalls(0.7, 0, 3),
 }
 
-builds = each("parameters", BUILDS, quick=("paper-banked", "robust-budget"))
+builds = each("parameters", BUILDS, quick=("robust-budget",))
 
 
 def video_settings(parameters: Parameters, image: Image) -> VideoSettings:
