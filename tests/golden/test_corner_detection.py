@@ -87,16 +87,10 @@ def test_equals_the_definition(responses: NDArray[np.int32]) -> None:
         assert (corner_detection(responses, t1, ties) == expected).all()
 
 
-@given(
-    arrays(
-        np.int32, array_shapes(min_dims=2, max_dims=2, min_side=9, max_side=14), elements=st.integers(0, 6)
-    ),
-    st.sampled_from(["strict", "first"]),
-    st.integers(1, 4),
-    st.integers(0, 5),
-)
-def test_any_radius_by_definition(responses: NDArray[np.int32], ties: Ties, radius: int, t1: int) -> None:
-    """Every neighbour is compared; two corners are never nearer than the radius plus one."""
+def check_by_definition(responses: NDArray[np.int32], ties: Ties, radius: int, t1: int) -> int:
+    """Every neighbour is compared; two corners are never nearer than the radius plus one. Returns
+    the number of corners.
+    """
     found = corner_detection(responses, t1, ties, radius)
     height, width = responses.shape
     assert found.shape == (height - 2 * radius, width - 2 * radius)
@@ -109,3 +103,23 @@ def test_any_radius_by_definition(responses: NDArray[np.int32], ties: Ties, radi
     places = np.argwhere(found)
     apart = np.abs(places[:, None] - places).max(axis=-1) + 99 * np.eye(len(places), dtype=int)
     assert (apart > radius).all()
+    return len(places)
+
+
+@given(
+    arrays(
+        np.int32, array_shapes(min_dims=2, max_dims=2, min_side=9, max_side=14), elements=st.integers(0, 6)
+    ),
+    st.sampled_from(["strict", "first"]),
+    st.integers(1, 4),
+    st.integers(0, 5),
+)
+def test_any_radius_by_definition(responses: NDArray[np.int32], ties: Ties, radius: int, t1: int) -> None:
+    check_by_definition(responses, ties, radius, t1)
+
+
+@pytest.mark.parametrize("ties", ["strict", "first"])
+@pytest.mark.parametrize("radius", [1, 2, 3, 4])
+def test_noise_by_definition(ties: Ties, radius: int) -> None:
+    responses = np.random.default_rng(radius).integers(0, 200, (40, 40), dtype=np.int32)
+    assert check_by_definition(responses, ties, radius, 20) > 5
