@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -95,7 +96,7 @@ class Frame:
         self.responses = response_map(image, parameters) if responses is None else responses
         self.peaks = peak_responses(self.responses, parameters)
 
-    @property
+    @cached_property
     def maximum(self) -> int:
         """The largest response of the pixels at which a corner may be."""
         radius = self.parameters.algorithm.suppression
