@@ -55,11 +55,10 @@ def compare(output: Path | None, page_only: bool, quick: bool, no_synthesis: boo
     measuring = "without --page, which measures nothing"
     refuse_idle(*(Idle(name, page_only, measuring) for name in ("quick", "no_synthesis", "jobs")))
     folder = output if output is not None else CACHE if quick else Path("docs/results")
-    if not page_only:
-        _check_tools(synthesis=not no_synthesis, place=not (no_synthesis or quick))
     if page_only:
         files = {folder / PAGE_NAME: read_figures(folder / FIGURES_NAME, page).encode()}
     else:
+        _check_tools(synthesis=not no_synthesis, place=not (no_synthesis or quick))
         prepare_folder(folder)
         figures = _measure(quick=quick, synthesis=not no_synthesis, jobs=jobs)
         files = {

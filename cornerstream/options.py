@@ -69,18 +69,17 @@ def _from_field(group: str, each: Option, **attributes: Any) -> Callable[[Comman
 def options_of_fields(
     group: str, owner: type, names: Iterable[str], *, by_default: bool = True
 ) -> Callable[[Command], Command]:
-    """Options of these fields of a dataclass, except those that leave no choice.
+    """Options of these fields of a dataclass, which are among its :func:`golden.options.options`.
 
     ``by_default``: they have the field's default; otherwise the profile decides.
     """
     found = options(owner)
-    chosen = [found[name] for name in names if len(found[name].choices) != 1]
     return together(
         *(
             _from_field(
                 group, each, **({"default": each.default, "show_default": True} if by_default else {})
             )
-            for each in chosen
+            for each in (found[name] for name in names)
         )
     )
 
@@ -144,13 +143,22 @@ name_option = option(
     help="Name of the core; all names that are emitted begin with it, so that several cores can be in one "
     "design.",
 )
-interface_option = option(
-    MAIN,
-    "--interface",
-    type=click.Choice(get_args(Interface)),
-    default="axi",
-    show_default=True,
-    help="AXI4-Stream and AXI4-Lite, Avalon-ST and Avalon-MM, or the bare detector's stream.",
+
+
+def interface_option_of(interfaces: Any, text: str) -> Callable[[Command], Command]:
+    """``--interface``, one of a ``Literal``."""
+    return option(
+        MAIN,
+        "--interface",
+        type=click.Choice(get_args(interfaces)),
+        default="axi",
+        show_default=True,
+        help=text,
+    )
+
+
+interface_option = interface_option_of(
+    Interface, "AXI4-Stream and AXI4-Lite, Avalon-ST and Avalon-MM, or the bare detector's stream."
 )
 
 

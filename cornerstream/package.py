@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import click
 
 from cornerstream import console
 from cornerstream.errors import bad_input
 from cornerstream.files import earlier_files, write_folder
-from cornerstream.groups import MAIN, GroupedCommand, option
+from cornerstream.groups import GroupedCommand
 from cornerstream.options import (
     build_from,
     edge_options,
     force_option,
     hardware_options,
+    interface_option_of,
     model_options,
     name_option,
     output_option,
@@ -28,14 +29,7 @@ from flow.package import MANIFEST, PackageInterface, package_files
 @click.command(cls=GroupedCommand, short_help="The core with drivers, descriptions and an example.")
 @output_option("build/ip", "Folder of the package.")
 @profile_option
-@option(
-    MAIN,
-    "--interface",
-    type=click.Choice(get_args(PackageInterface)),
-    default="axi",
-    show_default=True,
-    help="AXI4-Stream and AXI4-Lite, or Avalon-ST and Avalon-MM.",
-)
+@interface_option_of(PackageInterface, "AXI4-Stream and AXI4-Lite, or Avalon-ST and Avalon-MM.")
 @name_option
 @model_options
 @hardware_options

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import get_args
 
 from flow.cyclone4 import device as cyclone4
 from flow.device import Device, Tool
@@ -19,7 +20,7 @@ DEVICES: dict[str, Device] = {
 """All devices by name."""
 DEFAULT_DEVICE = "ep4cgx150"
 """The paper's device."""
-_TOOLS: tuple[Tool, ...] = ("quartus", "nextpnr")
+_TOOLS: tuple[Tool, ...] = get_args(Tool)
 
 
 def device_names(tools: Collection[Tool] = _TOOLS) -> list[str]:

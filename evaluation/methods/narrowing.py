@@ -174,9 +174,7 @@ _D_BLOCKS = "response buffer, texture filter, centre rows, corner detection"
 def _d_area(parameters: Build) -> Figures:
     """Area of the blocks that look at windows of D."""
     windows = WindowStage(parameters)
-    buffer = CircularBuffer(
-        parameters.response_bits, WINDOW_SIZE, WIDTH, _built(parameters).buffering, registers=1
-    )
+    buffer = CircularBuffer(parameters.response_bits, WINDOW_SIZE, WIDTH, parameters.buffering, registers=1)
     blocks = (buffer, windows.texture_filter, windows.centre_rows, windows.corner_detection)
     return _plain(sum((map_component(block, "part")[0].area for block in blocks), start=Area()))
 
