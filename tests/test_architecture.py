@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -21,21 +22,20 @@ FILES = [path for folder in BELOW for path in sorted((ROOT / folder).rglob("*.py
 LONGEST = 400
 
 
-def imported(path: Path) -> set[str]:
-    """Top-level packages that a file imports, anywhere in it."""
-    names: set[str] = set()
+def imports(path: Path) -> Iterator[tuple[str, str]]:
+    """The modules that a file imports, anywhere in it, each with a name taken from it, or ""."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            names |= {alias.name.partition(".")[0] for alias in node.names}
+            yield from ((alias.name, "") for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
-            names.add(node.module.partition(".")[0])
-    return names
+            yield from ((node.module, alias.name) for alias in node.names)
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_imports_point_downwards(path: Path) -> None:
     folder = path.relative_to(ROOT).parts[0]
-    assert imported(path) & set(BELOW) <= BELOW[folder] | {folder}
+    imported = {module.partition(".")[0] for module, _ in imports(path)}
+    assert imported & set(BELOW) <= BELOW[folder] | {folder}
 
 
 def module_name(path: Path) -> str:
@@ -44,17 +44,9 @@ def module_name(path: Path) -> str:
 
 
 def imported_modules(path: Path, modules: set[str]) -> set[str]:
-    """Modules of the project that a file imports anywhere; a package stands for its own file."""
-    names: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            names |= {
-                inner if (inner := f"{node.module}.{alias.name}") in modules else node.module
-                for alias in node.names
-            }
-    return names & modules
+    """Modules of the project that a file imports; a package stands for its own file."""
+    inner = ((module, f"{module}.{name}") for module, name in imports(path))
+    return {each if each in modules else module for module, each in inner} & modules
 
 
 def test_imports_make_no_circle() -> None:

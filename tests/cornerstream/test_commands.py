@@ -8,17 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import Result
 from PIL import Image
 
 import cornerstream.simulation
-from cornerstream.cli import main
 from cornerstream.picture import ACCEPTED, REJECTED
 from golden import Corners, Parameters, Settings, StreamModel, detect
 from golden.version import VERSION
 from sim import Mismatch
 from tests.support.photographs import photograph
-from tests.support.runner import CliRunner
+from tests.support.runner import run
 
 WIDTH, HEIGHT = 40, 30
 SIZE = ("--max-width", str(WIDTH), "--max-height", str(HEIGHT))
@@ -34,12 +32,6 @@ def image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> np.ndarray:
     Image.fromarray(part).save(tmp_path / "grey.png")
     monkeypatch.chdir(tmp_path)
     return part
-
-
-def run(*arguments: str, code: int = 0) -> Result:
-    result = CliRunner().invoke(main, arguments, prog_name="cornerstream")
-    assert result.exit_code == code, result.output
-    return result
 
 
 def table(path: str) -> list[dict[str, float]]:

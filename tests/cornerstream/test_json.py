@@ -13,12 +13,11 @@ import pytest
 from PIL import Image
 
 import cornerstream.simulation
-from cornerstream.cli import main
 from golden import PROFILES, Parameters, Settings, StreamModel, detection
 from hdl.build import Build
 from sim import Mismatch
 from tests.support.photographs import photograph
-from tests.support.runner import CliRunner
+from tests.support.runner import run as run_command
 
 PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "json.md").read_text(encoding="utf-8")
 WIDTH, HEIGHT = 40, 30
@@ -49,9 +48,7 @@ SIMULATE, FRAME = documented("`simulate`")
 
 
 def run(*arguments: str, code: int = 0) -> dict[str, Any]:
-    result = CliRunner().invoke(main, arguments, prog_name="cornerstream")
-    assert result.exit_code == code, result.output
-    (line,) = result.stdout.splitlines()
+    (line,) = run_command(*arguments, code=code).stdout.splitlines()
     return json.loads(line)
 
 

@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import Result
 
-from cornerstream.cli import main
 from flow import quartus
 from flow.devices import DEFAULT_DEVICE, DEVICES
 from hdl.build import Build
-from tests.support.runner import CliRunner
+from tests.support.runner import contents
+from tests.support.runner import run_or_refuse as run
 
 SIZE = ("--max-width", "40", "--max-height", "32")
 
@@ -30,19 +29,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("cornerstream.quartus.project_files", project_files)
     return tmp_path
-
-
-def run(*arguments: str, code: int = 0) -> Result:
-    result = CliRunner().invoke(main, arguments, prog_name="cornerstream")
-    assert result.exit_code == code, result.output
-    if code:
-        assert code == 1 or result.stdout == ""
-        assert result.stderr.startswith("Error: ") and result.stderr.count("\n") == 1
-    return result
-
-
-def contents(folder: Path) -> dict[str, str]:
-    return {str(path.relative_to(folder)): path.read_text() for path in folder.rglob("*") if path.is_file()}
 
 
 def test_export_writes_the_project() -> None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import importlib.util
 import json
+from functools import partial
 from importlib.machinery import ModuleSpec
 from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import Result
 from PIL import Image
 
 import cornerstream.synth
@@ -23,6 +23,7 @@ from flow.yowasp import ToolError
 from golden import Parameters
 from hdl.edges import Interface
 from tests.support.runner import CliRunner
+from tests.support.runner import run as run_command
 
 # four bits make the smallest detector there is
 SMALL = (
@@ -38,10 +39,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def run(*arguments: str, code: int = 0) -> Result:
-    result = CliRunner().invoke(main, ["synth", *arguments], prog_name="cornerstream")
-    assert result.exit_code == code, result.output
-    return result
+run = partial(run_command, "synth")
 
 
 def made_up(parameters: Parameters, interface: Interface = "stream") -> Synthesis:

@@ -6,12 +6,11 @@ import json
 import re
 from copy import deepcopy
 from dataclasses import asdict
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import Result
 
 from cornerstream.cli import main
 from evaluation.comparison import figures, paper_tables
@@ -22,6 +21,7 @@ from golden import Parameters
 from hdl.build import Build
 from sim import Mismatch
 from tests.support.runner import CliRunner
+from tests.support.runner import run as run_command
 
 
 def invented(build: Variant, **changes: Any) -> Figures:
@@ -243,10 +243,7 @@ def test_clocks_are_counted_in_a_simulation_that_is_right(monkeypatch: pytest.Mo
         clocks(parameters)
 
 
-def run(*arguments: str, code: int = 0) -> Result:
-    result = CliRunner().invoke(main, ["compare", *arguments], prog_name="cornerstream")
-    assert result.exit_code == code, result.output
-    return result
+run = partial(run_command, "compare")
 
 
 def test_command_measures_and_writes(
