@@ -12,8 +12,8 @@ from golden import Parameters, Settings, StreamModel
 from hdl.build import Build
 from sim.frames import Frame, frame_stimulus
 from sim.stimulus import Stalls, Stimulus
-from tests.hdl.test_detector import MIXTURES, SMALL, engine, noise, run
 from tests.support.builds import each
+from tests.support.detectors import MIXTURES, SMALL, engine, noise, run
 from tests.support.filters import lenient, selective
 
 BUDGETS = {name: parameters for name, parameters in MIXTURES.items() if parameters.budget}

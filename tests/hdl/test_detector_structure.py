@@ -19,7 +19,7 @@ from hdl.response_filter import ResponseFilter
 from hdl.surface import SurfaceFit
 from hdl.texture_filter import TextureFilter
 from hdl.thresholds import Thresholds
-from tests.hdl.test_detector import MIXTURES, PAPER, ROBUST
+from tests.support.detectors import MIXTURES, PAPER, ROBUST
 
 
 @pytest.mark.parametrize("parameters", [PAPER, ROBUST], ids=["paper", "robust"])

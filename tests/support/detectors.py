@@ -1,0 +1,84 @@
+# amaranth: UnusedElaboratable=no
+"""Builds of the whole detector for its tests, each compiled once, and how they are compared."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden import Parameters, Settings, StreamModel
+from hdl.build import Build
+from hdl.detector import Detector
+from sim.engine import Engine
+from sim.engines import make_engine
+from sim.frames import Frame, SimulationResult, compare, simulate_frames, summarize
+from sim.stimulus import Stalls
+from tests.support.filters import selective
+
+PAPER = Build.profile("paper")
+ROBUST = Build.profile("robust")
+SMALL = {"max_width": 64, "max_height": 64}
+# together these hold every value of every field, next to different values of the others
+MIXTURES = {
+    # no smaller than for photographs, so that each is compiled once
+    "paper": PAPER,
+    "robust": ROBUST,
+    "paper lean, six samples, single pixels": Build.profile(
+        "paper", **SMALL, buffering="lean", fit="six", patches="pixels", sqrt_bits_per_stage=3
+    ),
+    "robust banked, six samples": Build.profile(
+        "robust", **SMALL, buffering="banked", fit="six", texture="patches", sqrt_bits_per_stage=2
+    ),
+    "paper, gradient step, adaptive threshold": Build.profile(
+        "paper", **SMALL, fit="gradient", texture="mean"
+    ),
+    "robust, nine samples": Build.profile("robust", **SMALL, fit="nine"),
+    "robust but for its response filter": Build.profile("robust", **SMALL, response_filter="none"),
+    "10-bit pixels": Build.profile("robust", **SMALL, pixel_bits=10, sqrt_bits_per_stage=4),
+    "4-bit pixels": Build.profile(
+        "paper",
+        **SMALL,
+        pixel_bits=4,
+        derivative="sobel",
+        ties="first",
+        suppression=2,
+        sqrt_bits_per_stage=17,
+    ),
+    "paper with budget": Build.profile("paper", **SMALL, budget=True),
+    "nine samples with budget, suppression": Build.profile(
+        "robust", **SMALL, budget=True, suppression=4, fit="nine", response_filter="none"
+    ),
+    "robust with budget, suppression": Build.profile("robust", **SMALL, budget=True, suppression=3),
+}
+
+
+@cache
+def engine(parameters: Parameters) -> Engine:
+    return make_engine("compiled", Detector(parameters))
+
+
+def both_kinds(parameters: Parameters) -> Settings:
+    """Corners in plenty, of which some are rejected and all reported."""
+    return Settings.default(parameters, sigma1=0.002, sigma2=selective(parameters), report_rejected=True)
+
+
+def run(parameters: Parameters, frames: list[Frame], stalls: Stalls | None = None) -> SimulationResult:
+    """Simulate and compare; every test goes through here."""
+    result = simulate_frames(engine(parameters), frames, parameters, stalls=stalls)
+    check(result, parameters, frames)
+    return result
+
+
+def check(result: SimulationResult, parameters: Parameters, frames: list[Frame]) -> None:
+    model = StreamModel(parameters)
+    mismatches = compare(result, [model.process(*frame).records for frame in frames])
+    assert not mismatches, summarize(mismatches)
+
+
+def noise(height: int, width: int, seed: int, parameters: Parameters = PAPER) -> NDArray[np.unsignedinteger]:
+    dtype = np.uint8 if parameters.pixel_bits <= 8 else np.uint16
+    return np.random.default_rng(seed).integers(
+        0, parameters.pixel_max, (height, width), dtype, endpoint=True
+    )
