@@ -100,9 +100,17 @@ class Ours(Detector):
 
 
 class GoodFeaturesToTrack(Detector):
-    """OpenCV's Shi-Tomasi detector: whole pixels, maxima of 3x3, block of 5x5 as our smoothing."""
+    """OpenCV's Shi-Tomasi detector: whole pixels, maxima of 3x3, block of 5x5 as our smoothing.
 
-    name = "goodFeaturesToTrack"
+    Parameters
+    ----------
+    distance
+        Corners that are nearer than so many pixels to a stronger one are left out.
+    """
+
+    def __init__(self, distance: int = 0) -> None:
+        self.name = "goodFeaturesToTrack" + (f", {distance} px apart" if distance else "")
+        self.distance = distance
 
     def ranked(self, image: Image, thresholds: Thresholds) -> Points:
         return self.at(image, replace(thresholds, sigma1=LOWEST_SIGMA1))
@@ -111,7 +119,7 @@ class GoodFeaturesToTrack(Detector):
         inside = np.zeros(image.shape, np.uint8)
         inside[MARGIN:-MARGIN, MARGIN:-MARGIN] = 1
         found = opencv().goodFeaturesToTrack(
-            image, MOST, max(thresholds.sigma1, 1e-6), 0, mask=inside, blockSize=5
+            image, MOST, max(thresholds.sigma1, 1e-6), self.distance, mask=inside, blockSize=5
         )
         return np.empty((0, 2)) if found is None else found.reshape(-1, 2).astype(np.float64)
 
@@ -124,22 +132,23 @@ class Fast(Detector):
     """OpenCV's default."""
     lowest = 2
 
-    def _detect(self, image: Image, threshold: int) -> Points:
+    @staticmethod
+    def scored(image: Image, threshold: int) -> tuple[Points, NDArray[np.float64]]:
+        """Corners, strongest first, and the largest threshold at which each is a corner."""
         height, width = image.shape
         keypoints = opencv().FastFeatureDetector_create(threshold=threshold).detect(image)
-        if not keypoints:
-            return np.empty((0, 2))
-        values = np.array([(*keypoint.pt, keypoint.response) for keypoint in keypoints])
+        values = np.array([(*keypoint.pt, keypoint.response) for keypoint in keypoints]).reshape(-1, 3)
         x, y = values[:, 0], values[:, 1]
         inside = (x >= MARGIN) & (y >= MARGIN) & (x < width - MARGIN) & (y < height - MARGIN)
         values = values[inside]
-        return values[np.argsort(-values[:, 2], kind="stable"), :2]
+        values = values[np.argsort(-values[:, 2], kind="stable")]
+        return values[:, :2], values[:, 2]
 
     def ranked(self, image: Image, thresholds: Thresholds) -> Points:
-        return self._detect(image, self.lowest)
+        return self.scored(image, self.lowest)[0]
 
     def at(self, image: Image, thresholds: Thresholds) -> Points:
-        return self._detect(image, self.threshold)
+        return self.scored(image, self.threshold)[0]
 
 
 class Chance(Detector):
