@@ -64,7 +64,8 @@ NO_PAGE = f"{IDLE}without --page"
 AIMED = "--target-corners 9 --reference constant"
 CONSTANT = f"{IDLE}from --floor on, which is 1024"
 FLOOR = f"--floor is 99, {IDLE}with --reference previous, or above --constant, which is 8192"
-VIEWS = "with --only repeatability or robustness or ablation"
+VIEWS = "with --only repeatability or robustness or downstream or ablation"
+PAIRS = "with --only repeatability or robustness or ablation"
 
 
 @pytest.mark.parametrize(
@@ -98,7 +99,7 @@ VIEWS = "with --only repeatability or robustness or ablation"
         ("eval --page --only accuracy --only table5", f"--only is accuracy, table5, {NO_PAGE}"),
         ("eval --page --boards boards", f"--boards is boards, {NO_PAGE}"),
         ("eval --only accuracy --images boards", f"--images is boards, {IDLE}{VIEWS}"),
-        ("eval --only accuracy --pairs boards", f"--pairs is boards, {IDLE}{VIEWS}"),
+        ("eval --only accuracy --pairs boards", f"--pairs is boards, {IDLE}{PAIRS}"),
         ("eval --only repeatability --video a.mp4", f"{IDLE}with --only robustness or ablation"),
         ("eval --only accuracy --boards boards", f"--boards is boards, {IDLE}with --only chessboards"),
         ("eval --board-size 9x6", f"--board-size is 9x6, {IDLE}with --boards"),

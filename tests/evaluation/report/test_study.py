@@ -130,7 +130,13 @@ def test_tables_of_a_page_are_rectangular() -> None:
 
 def test_plots_are_pictures_and_always_the_same() -> None:
     first = plots(measured())
-    assert set(first) == {"accuracy.png", "repeatability.png", "robustness.png", "ablation.png"}
+    assert set(first) == {
+        "accuracy.png",
+        "repeatability.png",
+        "robustness.png",
+        "ablation.png",
+        "downstream.png",
+    }
     assert all(content.startswith(b"\x89PNG") for content in first.values())
     assert plots({"accuracy": measured()["accuracy"]}) == {"accuracy.png": first["accuracy.png"]}
 
