@@ -95,7 +95,12 @@ def detect(
         prepare_folder(output)
     found = [detection(photograph.pixels, each.parameters, each.settings) for each in asked]
     panels = [
-        Panel(each.profile, each.settings, one.corners.apart(min_distance))
+        Panel(
+            each.profile,
+            each.settings,
+            one.corners.apart(min_distance),
+            each.parameters.algorithm.margin,
+        )
         for each, one in zip(asked, found, strict=True)
     ]
     written = []
@@ -137,7 +142,7 @@ class _Asked:
         self.profile = profile
         self.parameters = parameters
         self.settings = settings_from(options, parameters)
-        aimed = self.settings.target_corners > 0 and parameters.algorithm.texture == "mean"
+        aimed = self.settings.target_corners > 0 and parameters.algorithm.texture != "patches"
         unusual = self.settings.constant != Settings.default(parameters).constant
         refuse_idle(
             Idle("reference", aimed, "without --target-corners, or with --texture patches"),

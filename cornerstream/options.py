@@ -254,7 +254,7 @@ def _changes(options: dict[str, Any]) -> dict[str, Any]:
 def _refuse_idle_patches(profile: str, parameters: Parameters) -> None:
     algorithm, usual = parameters.algorithm, PROFILES[profile]
     changed = algorithm.patches != usual.patches
-    refuse_idle(Idle("patches", algorithm.texture == "mean" and changed, "with --texture patches"))
+    refuse_idle(Idle("patches", algorithm.texture != "patches" and changed, "with --texture patches"))
 
 
 def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
@@ -268,6 +268,7 @@ def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
         settings.check(parameters)
     constant = settings.reference == "constant"
     refuse_idle(
+        Idle("sigma2", parameters.algorithm.texture == "none", "with --texture patches or mean"),
         Idle(
             "constant",
             constant and settings.constant < settings.floor,

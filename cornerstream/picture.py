@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from golden import Corners, Flag, Settings
-from golden.formats import MARGIN
 
 Colour = tuple[int, int, int]
 Floats = NDArray[np.float64]
@@ -49,6 +48,8 @@ class Panel:
     profile: str
     settings: Settings
     corners: Corners
+    margin: int
+    """Pixels at each edge in which it looks for no corner."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,7 @@ def draw_panels(pixels: NDArray[np.uint8], panels: Sequence[Panel]) -> Image.Ima
     """Picture of a (height, width) grey image with the corners of each panel, side by side."""
     height, width = pixels.shape
     size = f"{width}x{height} pixels"
-    drawn = [_with_title(draw_corners(pixels, panel.corners), panel, size) for panel in panels]
+    drawn = [_with_title(draw_corners(pixels, panel.corners, panel.margin), panel, size) for panel in panels]
     row = Image.new(
         "RGB", (sum(part.width for part in drawn) + _GAP * (len(drawn) - 1), drawn[0].height), _GROUND
     )
@@ -113,20 +114,22 @@ def draw_panels(pixels: NDArray[np.uint8], panels: Sequence[Panel]) -> Image.Ima
         x += part.width + _GAP
     present = set(np.concatenate([_kinds(panel.corners) for panel in panels]).tolist())
     line = _type_size(_LINE, drawn[0].width)
-    return _with_legend(row, line, [mark for flag, mark in _MARKS.items() if flag in present or not flag])
+    marks = [mark for flag, mark in _MARKS.items() if flag in present or not flag]
+    return _with_legend(row, line, marks, sorted({panel.margin for panel in panels}))
 
 
 def _type_size(usual: int, panel_width: int) -> int:
     return round(usual * max(1.0, panel_width / _COMFORTABLE_SIDE))
 
 
-def draw_corners(pixels: NDArray[np.uint8], corners: Corners) -> Image.Image:
-    """The image enlarged, with a marker at each corner, and with the border shaded."""
+def draw_corners(pixels: NDArray[np.uint8], corners: Corners, margin: int) -> Image.Image:
+    """The image enlarged, with a marker at each corner, and with its border shaded."""
     height, width = pixels.shape
     scale = scale_for(width, height)
     photo = Image.fromarray(pixels).resize((scale * width, scale * height), Image.Resampling.BICUBIC)
     canvas = np.asarray(photo.convert("RGB"), dtype=np.float32).copy()
-    inner = np.s_[MARGIN * scale : -MARGIN * scale, MARGIN * scale : -MARGIN * scale]
+    inside = slice(margin * scale, -margin * scale)
+    inner = (inside, inside)
     bright = canvas[inner].copy()
     canvas *= _SHADE
     canvas[inner] = bright
@@ -191,10 +194,14 @@ def _with_title(picture: Image.Image, panel: Panel, size: str) -> Image.Image:
     return canvas
 
 
-def _with_legend(picture: Image.Image, size: int, marks: Sequence[_Mark]) -> Image.Image:
+def _with_legend(
+    picture: Image.Image, size: int, marks: Sequence[_Mark], margins: Sequence[int]
+) -> Image.Image:
     font = ImageFont.load_default(size=size)
     entries: list[tuple[_Mark | None, str]] = [(mark, mark.text) for mark in marks]
-    entries.append((None, f"border of {MARGIN} pixels, in which no corner is looked for"))
+    entries.append(
+        (None, f"border of {' or '.join(map(str, margins))} pixels, in which no corner is looked for")
+    )
     indent, line = 28, size + 11
     places, x, y = [], _GAP, picture.height + 6
     width = picture.width

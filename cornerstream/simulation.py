@@ -234,7 +234,12 @@ class _Outcome:
 
     @property
     def panel(self) -> Panel:
-        return Panel(self.profile, self.settings, decode(self.result.frames[-1].records))
+        return Panel(
+            self.profile,
+            self.settings,
+            decode(self.result.frames[-1].records),
+            self.parameters.algorithm.margin,
+        )
 
     @property
     def advice(self) -> str | None:

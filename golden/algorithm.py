@@ -5,18 +5,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from golden.formats import MAX_SUPPRESSION
+from golden.formats import MAX_SUPPRESSION, SMOOTHING_SIZE, WINDOW_SIZE
 from golden.options import check_options, option
 
 Response = Literal["shi_tomasi"]
 """Names of files in ``golden/responses`` and ``hdl/responses``."""
+PixelFilter = Literal["none", "binomial", "twice"]
 Gradient = Literal["absolute", "signed"]
 Derivative = Literal["central", "sobel"]
 ResponseFilter = Literal["none", "binomial"]
 Ties = Literal["strict", "first"]
 Fit = Literal["nine", "six", "printed", "gradient"]
 Patches = Literal["regions", "pixels"]
-Texture = Literal["patches", "mean"]
+Texture = Literal["patches", "mean", "none"]
+
+PIXEL_FILTER_PASSES: dict[PixelFilter, int] = {"none": 0, "binomial": 1, "twice": 2}
+"""How often the pixels are smoothed; each time reaches one pixel further."""
+RESPONSE_FILTER_REACH: dict[ResponseFilter, int] = {"none": 0, "binomial": 1}
+"""Responses around a place that decide its smoothed response."""
+FIT_REACH: dict[Fit, int] = {"nine": 0, "six": 0, "printed": 0, "gradient": 4}
+"""Pixels around a corner's pixel that the subpixel step reads; 0: it reads responses only."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +37,10 @@ class Algorithm:
     ----------
     response
         Response function D. ``"shi_tomasi"``: twice the smaller eigenvalue of the tensor (Eq. 2).
+    pixel_filter
+        ``"binomial"``: all that follows sees pixels smoothed by [1 2 1]ᵀ[1 2 1] / 16 and rounded.
+        Noise moves corners less, and peaks stay where they are when the image moves by a part of a
+        pixel. ``"twice"``: smoothed two times. ``"none"``: the pixels as they come.
     gradient
         ``"absolute"``: C = |gx|·|gy|, as the paper prints it; ``"signed"``: C = gx·gy. Without the
         sign, corners whose edges lie at ±45° have no response.
@@ -53,7 +65,8 @@ class Algorithm:
     texture
         Texture filter. ``"patches"``: the paper's, Eqs. 6-9. ``"mean"``: an adaptive threshold, see
         ``golden.adaptive_threshold``: a corner's response must be above T1 by sigma2 times the
-        local level of D, and the response without that part is the one reported.
+        local level of D, and the response without that part is the one reported. ``"none"``: every
+        peak above T1 is a corner.
     patches
         Patches of the paper's texture filter (Fig. 5). ``"regions"``: patch k consists of the four
         3x3 regions at the corners of the (2k+3)x(2k+3) square; ``"pixels"``: it consists of four
@@ -71,6 +84,9 @@ class Algorithm:
     """
 
     response: Response = option("shi_tomasi", "Response function.")
+    pixel_filter: PixelFilter = option(
+        "none", "Smooth the pixels by [1 2 1] / 4 in x and y, before all else: not at all, once, or twice."
+    )
     gradient: Gradient = option(
         "absolute", "Product of the gradients: of their sizes, as the paper has it, or with its sign."
     )
@@ -90,7 +106,8 @@ class Algorithm:
         "paper's misprint (golden model only).",
     )
     texture: Texture = option(
-        "patches", "Texture filter: the paper's patches, or a threshold that rises with the local mean of D."
+        "patches",
+        "Texture filter: the paper's patches, a threshold that rises with the local mean of D, or none.",
     )
     patches: Patches = option(
         "regions", "Patches of the texture filter 'patches': regions of 3x3 pixels, or single pixels."
@@ -114,6 +131,42 @@ class Algorithm:
                     f"suppression is {self.suppression}; allowed with response_filter 'binomial' "
                     f"and fit {self.fit!r}: 1" + (f" to {most}" if most > 1 else "")
                 )
+
+    @property
+    def pixel_passes(self) -> int:
+        """How often the pixels are smoothed."""
+        return PIXEL_FILTER_PASSES[self.pixel_filter]
+
+    @property
+    def response_margin(self) -> int:
+        """Pixels at each edge of a frame that have no response."""
+        return self.pixel_passes + 1 + SMOOTHING_SIZE // 2
+
+    @property
+    def window_size(self) -> int:
+        """Side of the window of responses around a corner that decides about it.
+
+        It is 9 for a texture filter, and for a step that reads pixels, which ride along with the
+        responses; else it is what the suppression sees.
+        """
+        if self.texture != "none" or FIT_REACH[self.fit]:
+            return WINDOW_SIZE
+        return 2 * (self.suppression + RESPONSE_FILTER_REACH[self.response_filter]) + 1
+
+    @property
+    def margin(self) -> int:
+        """Pixels at each edge of a frame at which no peak is a corner.
+
+        All that is read of a corner lies inside the frame. Its refined position may be nearer to
+        the edge.
+        """
+        responses = self.response_margin + self.window_size // 2
+        return max(responses, self.pixel_passes + FIT_REACH[self.fit])
+
+    @property
+    def support(self) -> int:
+        """Side of the square of pixels that decides a corner; a frame is no smaller."""
+        return 2 * self.margin + 1
 
 
 PROFILES: dict[str, Algorithm] = {

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from golden.checks import check_integer, check_type
 from golden.corners import ByValue, Corners
-from golden.formats import SUPPORT
 from golden.frame import Frame, History
 from golden.output_constructor import NO_LIMIT, FrameEnd, Records, decode, encode_frame_end
 from golden.parameters import Parameters
@@ -60,9 +59,10 @@ def check_image(image: object, parameters: Parameters) -> Image:
     if image.ndim != 2:
         raise ValueError(f"image has shape {image.shape}; allowed: (height, width), one channel")
     height, width = image.shape
-    if not (SUPPORT <= width <= parameters.max_width and SUPPORT <= height <= parameters.max_height):
+    least = parameters.algorithm.support
+    if not (least <= width <= parameters.max_width and least <= height <= parameters.max_height):
         raise ValueError(
-            f"image is {width}x{height}; allowed: {SUPPORT}x{SUPPORT} "
+            f"image is {width}x{height}; allowed: {least}x{least} "
             f"to {parameters.max_width}x{parameters.max_height} (the built maximum)"
         )
     if parameters.pixel_bits != 8 * dtype.itemsize and image.max() > parameters.pixel_max:
@@ -82,7 +82,8 @@ def detect(
     Parameters
     ----------
     image
-        (height, width) uint8 (uint16 for more than 8 pixel bits), 15x15 up to the built maximum.
+        (height, width) uint8 (uint16 for more than 8 pixel bits), each side from
+        ``Algorithm.support`` up to the built maximum.
     parameters, settings
         The detector and its settings; by default the profile ``robust`` and ``Settings.default``.
     reference

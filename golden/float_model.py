@@ -18,10 +18,9 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from golden.algorithm import Derivative, Fit, Gradient, Patches, Response, Ties
+from golden.algorithm import Algorithm, Derivative, Fit, Patches
 from golden.corners import Corners, Flag
 from golden.detector import check_image, chosen_parameters, chosen_settings
-from golden.formats import MARGIN
 from golden.parameters import Parameters
 from golden.responses import response_function
 from golden.settings import Settings
@@ -81,25 +80,27 @@ def smooth(values: Map) -> Map:
     return result
 
 
-def response_map(
-    image: NDArray[Any],
-    gradient: Gradient,
-    derivative: Derivative = "central",
-    response: Response = "shi_tomasi",
-    pixel_bits: int = 8,
-) -> Map:
-    """D, such as (A + B) - sqrt((A - B)² + 4C²) (Eq. 2), defined from 3 pixels off the edge on."""
-    gx, gy = gradients(image, derivative)
-    if gradient == "absolute":
+def filtered_pixels(image: NDArray[Any], algorithm: Algorithm) -> Map:
+    """The pixels that the gradients are taken of."""
+    pixels = image.astype(np.float64)
+    for _ in range(algorithm.pixel_passes):
+        pixels = binomial(pixels)
+    return pixels
+
+
+def response_map(image: NDArray[Any], algorithm: Algorithm, pixel_bits: int = 8) -> Map:
+    """D, such as (A + B) - sqrt((A - B)² + 4C²) (Eq. 2), with NaN where it is undefined."""
+    gx, gy = gradients(filtered_pixels(image, algorithm), algorithm.derivative)
+    if algorithm.gradient == "absolute":
         gx, gy = np.abs(gx), np.abs(gy)
     a, b, c = smooth(gx * gx), smooth(gy * gy), smooth(gx * gy)
-    return response_function(response).exact(a, b, c, pixel_bits)
+    return response_function(algorithm.response).exact(a, b, c, pixel_bits)
 
 
-def binomial(responses: Map) -> Map:
-    """S: the weighted mean of D over 3x3, written out in two dimensions."""
-    result = _undefined(responses)
-    result[1:-1, 1:-1] = np.einsum("yxvu,vu->yx", sliding_window_view(responses, BINOMIAL.shape), BINOMIAL)
+def binomial(values: Map) -> Map:
+    """The weighted mean over 3x3 of pixels or responses, written out in two dimensions."""
+    result = _undefined(values)
+    result[1:-1, 1:-1] = np.einsum("yxvu,vu->yx", sliding_window_view(values, BINOMIAL.shape), BINOMIAL)
     return result
 
 
@@ -108,19 +109,20 @@ def local_mean(responses: Map, x: int, y: int) -> float:
     return float(responses[y - 4 : y + 5, x - 4 : x + 5].mean())
 
 
-def corner_map(responses: Map, t1: float, ties: Ties, radius: int = 1) -> NDArray[np.bool_]:
-    """E (Eqs. 3-5): D > T1 and D above its neighbours, where the 15x15 support is in the frame."""
+def corner_map(responses: Map, t1: float, algorithm: Algorithm) -> NDArray[np.bool_]:
+    """E (Eqs. 3-5): D > T1 and D above its neighbours, where the whole support is in the frame."""
     corners = np.zeros(responses.shape, dtype=bool)
+    radius, margin = algorithm.suppression, algorithm.margin
     side = 2 * radius + 1
     samples = sliding_window_view(responses, (side, side))
     samples = samples.reshape(*samples.shape[:2], side**2)
     middle = side**2 // 2
     centre = samples[..., middle]
     earlier, later = samples[..., :middle].max(axis=-1), samples[..., middle + 1 :].max(axis=-1)
-    beats_later = centre > later if ties == "strict" else centre >= later
+    beats_later = centre > later if algorithm.ties == "strict" else centre >= later
     corners[radius:-radius, radius:-radius] = (centre > earlier) & beats_later & (centre > t1)
     inside = np.zeros_like(corners)
-    inside[MARGIN:-MARGIN, MARGIN:-MARGIN] = True
+    inside[margin:-margin, margin:-margin] = True
     return corners & inside
 
 
@@ -211,14 +213,14 @@ def reference_detect(
     settings = chosen_settings(settings, parameters)
     image = check_image(image, parameters)
     algorithm = parameters.algorithm
-    responses = response_map(
-        image, algorithm.gradient, algorithm.derivative, algorithm.response, parameters.pixel_bits
-    )
-    peaks = binomial(responses) if parameters.algorithm.response_filter == "binomial" else responses
+    pixels = filtered_pixels(image, algorithm)
+    responses = response_map(image, algorithm, parameters.pixel_bits)
+    peaks = binomial(responses) if algorithm.response_filter == "binomial" else responses
     given = reference is not None
     if reference is None:
         constant = settings.reference == "constant"
-        largest = float(peaks[MARGIN:-MARGIN, MARGIN:-MARGIN].max())
+        inside = slice(algorithm.margin, -algorithm.margin)
+        largest = float(peaks[inside, inside].max())
         reference = max(settings.constant if constant else largest, settings.floor)
     elif isinstance(reference, bool) or not isinstance(reference, Real):
         raise TypeError(f"reference is a {type(reference).__name__}; allowed: a number or None")
@@ -228,17 +230,18 @@ def reference_detect(
 
     def judge(y: int, x: int, t1: float) -> tuple[float, bool]:
         """The response that is reported, and whether the texture filter accepts the corner."""
-        if parameters.algorithm.texture == "mean":
-            level = LEVEL_GAIN * local_mean(responses, x, y)
-            value = float(peaks[y, x]) - settings.sigma2 * level
-            return value, value > t1
-        return float(peaks[y, x]), texturization(responses, x, y, parameters.algorithm.patches) < t2
+        value = float(peaks[y, x])
+        if algorithm.texture == "patches":
+            return value, texturization(responses, x, y, algorithm.patches) < t2
+        if algorithm.texture == "mean":
+            value -= settings.sigma2 * LEVEL_GAIN * local_mean(responses, x, y)
+        return value, value > t1
 
     ranked = settings.by_rank and settings.reference == "previous" and not given
     if settings.target_corners or ranked:
-        everything = corner_map(peaks, 0.0, parameters.algorithm.ties, parameters.algorithm.suppression)
+        everything = corner_map(peaks, 0.0, algorithm)
         judged = [judge(y, x, 0.0) for y, x in np.argwhere(everything).tolist()]
-        every = parameters.algorithm.texture == "patches" and ranked
+        every = algorithm.texture == "patches" and ranked
         values = sorted(value for value, accepted in judged if accepted or every)
         beyond = max([0.0, *values[: -settings.wanted_corners]])
         if settings.target_corners:
@@ -247,18 +250,18 @@ def reference_detect(
             reference = max(beyond, settings.floor)
             t1, t2 = settings.sigma1 * reference, settings.sigma2 * reference
     least = 0.0 if settings.target_corners else t1
-    corners = corner_map(peaks, least, parameters.algorithm.ties, parameters.algorithm.suppression)
+    corners = corner_map(peaks, least, algorithm)
 
     found: list[tuple[float, float, float, int]] = []
     for y, x in np.argwhere(corners & (peaks > t1)).tolist():
         value, accepted = judge(y, x, t1)
         if not accepted and not settings.report_rejected:
             continue
-        if parameters.algorithm.fit == "gradient":
-            dx, dy, flag = gradient_step(image[y - 4 : y + 5, x - 4 : x + 5])
+        if algorithm.fit == "gradient":
+            dx, dy, flag = gradient_step(pixels[y - 4 : y + 5, x - 4 : x + 5])
         else:
-            coefficients = surface(peaks[y - 1 : y + 2, x - 1 : x + 2], parameters.algorithm.fit)
-            dx, dy, flag = peak(coefficients, printed=parameters.algorithm.fit == "printed")
+            coefficients = surface(peaks[y - 1 : y + 2, x - 1 : x + 2], algorithm.fit)
+            dx, dy, flag = peak(coefficients, printed=algorithm.fit == "printed")
         found.append((x + dx, y + dy, max(value, 0), flag | (Flag(0) if accepted else Flag.TEXTURED)))
     ends = [end for end, (*_, flag) in enumerate(found, 1) if not flag & Flag.TEXTURED]
     if 0 < settings.max_corners <= len(ends):

@@ -2,13 +2,6 @@
 
 from __future__ import annotations
 
-SUPPORT = 15
-"""Side of the square of pixels that decides a corner: gradient 3, smoothing 5, responses 9."""
-MARGIN = SUPPORT // 2
-"""Pixels at each edge of a frame at which no peak is a corner.
-
-The refined position of a corner may be nearer to the edge.
-"""
 SMOOTHING_SIZE = 5
 """Side of the smoothing kernel (Eq. 1)."""
 WINDOW_SIZE = 9

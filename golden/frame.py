@@ -1,7 +1,7 @@
 """One frame, an image in and records out, by the blocks of Fig. 9 in their order.
 
-1. Response map: D of every pixel, from gradients, their products, smoothing and the square root
-   (Eqs. 1, 2).
+1. Response map: D of every pixel, from the pixels, smoothed or not, by their gradients, products,
+   smoothing and the square root (Eqs. 1, 2).
 2. Peaks: the responses whose maxima are corners, D or a smoothed D.
 3. Reference: Dref, the largest response of the frame before, or what the settings ask for.
 4. Thresholds: T1 and T2, fractions of Dref.
@@ -17,19 +17,19 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from golden.adaptation import adapted_threshold, histogram, smoothed
+from golden.algorithm import FIT_REACH, RESPONSE_FILTER_REACH
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
-from golden.formats import MARGIN, WINDOW_SIZE
-from golden.normal_equations import PIXEL_SIZE
 from golden.output_constructor import Records, decode, encode
 from golden.parameters import Parameters
+from golden.pixel_filter import pixel_filter
 from golden.preprocessing import Image, IntArray, gradients, products
 from golden.response import response
 from golden.response_filter import RESPONSE_FILTERS
@@ -38,8 +38,6 @@ from golden.subpixel import subpixel
 from golden.textures import TEXTURES
 from golden.thresholds import Thresholds, choose_reference, thresholds
 
-RESPONSE_MARGIN = 3
-"""Pixels at each edge of a frame that have no response: 1 of the gradient, 2 of the smoothing."""
 _STRIP_ROWS = 32
 
 
@@ -79,7 +77,7 @@ class Frame:
     parameters, settings
         The detector, and its settings in this frame.
     responses
-        (height-6, width-6) D, if it is not :func:`response_map` of the image; None: it is.
+        D, if it is not :func:`response_map` of the image, in the same shape; None: it is.
 
     Attributes
     ----------
@@ -95,6 +93,11 @@ class Frame:
         self.image, self.parameters, self.settings = image, parameters, settings
         self.responses = response_map(image, parameters) if responses is None else responses
         self.peaks = peak_responses(self.responses, parameters)
+
+    @cached_property
+    def pixels(self) -> Image:
+        """The pixels that all blocks see: ``Algorithm.pixel_passes`` fewer at each edge."""
+        return pixel_filter(self.image, self.parameters.algorithm.pixel_passes)
 
     @cached_property
     def maximum(self) -> int:
@@ -115,7 +118,7 @@ class Frame:
         return self.thresholds(self.next_history(limits, itself), reference)
 
     def maxima(self, t1: int) -> NDArray[np.bool_]:
-        """E (Eqs. 3-5) of the pixels at which a corner may be, (height-14, width-14)."""
+        """E (Eqs. 3-5) of the pixels at which a corner may be: all but ``Algorithm.margin``."""
         algorithm = self.parameters.algorithm
         return corner_detection(self.peaks, t1, algorithm.ties, algorithm.suppression)
 
@@ -123,11 +126,12 @@ class Frame:
         """The maxima above T1, and which of them the texture filter accepts."""
         algorithm = self.parameters.algorithm
         rows, columns = np.nonzero(self.maxima(limits.t1))
-        windows = sliding_window_view(self.responses, (WINDOW_SIZE, WINDOW_SIZE))[rows, columns]
+        at = algorithm.margin - algorithm.response_margin
+        windows = _around(self.responses, algorithm.window_size, rows + at, columns + at)
         values = self.peaks[rows + algorithm.suppression, columns + algorithm.suppression]
         judge = TEXTURES[algorithm.texture].judge
         accepted, values = judge(values, windows, limits, algorithm.patches)
-        return Candidates(columns + MARGIN, rows + MARGIN, values, accepted)
+        return Candidates(columns + algorithm.margin, rows + algorithm.margin, values, accepted)
 
     def records(self, limits: Thresholds, *, pixels: int | None = None) -> Records:
         """(n,) records of the corners in raster order, before :meth:`within_budget`.
@@ -138,18 +142,19 @@ class Frame:
             Number of pixels of the frame that have come, in raster order: only the corners whose
             whole support lies in them have records. None: all pixels.
         """
-        corners = self.candidates(limits)
+        algorithm = self.parameters.algorithm
+        corners, margin = self.candidates(limits), algorithm.margin
         if pixels is not None:
-            last = (corners.y + MARGIN) * self.image.shape[1] + corners.x + MARGIN
+            last = (corners.y + margin) * self.image.shape[1] + corners.x + margin
             corners = corners.where(last < pixels)
         if not self.settings.report_rejected:
             corners = corners.where(corners.accepted)
-        around = MARGIN - self.parameters.algorithm.suppression + 1
-        samples = sliding_window_view(self.peaks, (3, 3))[corners.y - around, corners.x - around]
-        around = PIXEL_SIZE // 2
-        pixel_windows = sliding_window_view(self.image, (PIXEL_SIZE, PIXEL_SIZE))
-        window = pixel_windows[corners.y - around, corners.x - around]
-        offset = subpixel(samples, self.parameters, window)
+        before = margin - algorithm.suppression
+        samples = _around(self.peaks, 3, corners.y - before, corners.x - before)
+        before = algorithm.pixel_passes
+        size = 2 * FIT_REACH[algorithm.fit] + 1
+        pixel_windows = _around(self.pixels, size, corners.y - before, corners.x - before)
+        offset = subpixel(samples, self.parameters, pixel_windows)
         return encode(corners.x, corners.y, corners.response, offset, ~corners.accepted)
 
     def within_budget(self, records: Records) -> Records:
@@ -179,18 +184,27 @@ class Frame:
         return History(self.maximum, adapted)
 
 
+def _around(
+    values: NDArray[Any], size: int, rows: NDArray[np.int64], columns: NDArray[np.int64]
+) -> NDArray[Any]:
+    """Windows (n, size, size) whose centres are at (n,) rows and columns of ``values``."""
+    reach = size // 2
+    return sliding_window_view(values, (size, size))[rows - reach, columns - reach]
+
+
 def response_map(image: Image, parameters: Parameters) -> IntArray:
-    """D of every pixel that has one: (height, width) in, (height-6, width-6) int32 out.
+    """D of every pixel that has one: ``Algorithm.response_margin`` is taken away; int32.
 
     The image is worked off in strips of rows, so that the intermediate arrays stay in the
     processor's cache.
     """
+    algorithm, lost = parameters.algorithm, 2 * parameters.algorithm.response_margin
     height, width = image.shape
-    result = np.empty((height - 2 * RESPONSE_MARGIN, width - 2 * RESPONSE_MARGIN), dtype=np.int32)
+    result = np.empty((height - lost, width - lost), dtype=np.int32)
     for top in range(0, len(result), _STRIP_ROWS):
-        strip = image[top : top + _STRIP_ROWS + 2 * RESPONSE_MARGIN]
-        gx, gy = gradients(strip, parameters.algorithm.derivative)
-        a, b, c = (smooth(product) for product in products(gx, gy, parameters.algorithm.gradient))
+        strip = pixel_filter(image[top : top + _STRIP_ROWS + lost], algorithm.pixel_passes)
+        gx, gy = gradients(strip, algorithm.derivative)
+        a, b, c = (smooth(product) for product in products(gx, gy, algorithm.gradient))
         result[top : top + _STRIP_ROWS] = response(a, b, c, parameters)
     return result
 
@@ -198,10 +212,10 @@ def response_map(image: Image, parameters: Parameters) -> IntArray:
 def peak_responses(responses: IntArray, parameters: Parameters) -> IntArray:
     """The responses whose maxima are corners: D, or D after the response filter.
 
-    They reach ``suppression`` pixels further than the pixels at which a corner may be: (height,
-    width) responses in, (height - 8 + 2·suppression, width - 8 + 2·suppression) out.
+    They reach ``suppression`` pixels further than the pixels at which a corner may be.
     """
-    chosen = RESPONSE_FILTERS[parameters.algorithm.response_filter]
-    edge = WINDOW_SIZE // 2 - parameters.algorithm.suppression - chosen.reach
+    algorithm = parameters.algorithm
+    needed = algorithm.suppression + RESPONSE_FILTER_REACH[algorithm.response_filter]
+    edge = algorithm.margin - algorithm.response_margin - needed
     height, width = responses.shape
-    return chosen.apply(responses[edge : height - edge, edge : width - edge])
+    return RESPONSE_FILTERS[algorithm.response_filter](responses[edge : height - edge, edge : width - edge])

@@ -19,16 +19,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.algorithm import FIT_REACH
 from golden.derivatives import Derivatives
 from golden.parameters import Parameters
 from golden.preprocessing import Image, gradients
 
 Int64 = NDArray[np.int64]
 
-STEP_SIZE = 7
-"""Side of the window of gradients."""
-PIXEL_SIZE = STEP_SIZE + 2
+PIXEL_SIZE = 2 * FIT_REACH["gradient"] + 1
 """Side of the window of pixels that the gradients need."""
+STEP_SIZE = PIXEL_SIZE - 2
+"""Side of the window of gradients, 7."""
 PLACES = np.arange(STEP_SIZE, dtype=np.int64) - STEP_SIZE // 2
 """u and v, -3 to 3."""
 LARGEST = 2 * STEP_SIZE * int(np.abs(PLACES).sum())

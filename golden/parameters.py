@@ -9,8 +9,8 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Self
 
 from golden.algorithm import DEFAULT_PROFILE, PROFILES, Algorithm
-from golden.checks import check_type
-from golden.formats import MAX_PIXEL_BITS, MAX_SIDE, MIN_PIXEL_BITS, SUPPORT
+from golden.checks import check_type, plain_integer
+from golden.formats import MAX_PIXEL_BITS, MAX_SIDE, MIN_PIXEL_BITS
 from golden.options import check_options, option, options
 from golden.responses import response_function
 
@@ -30,8 +30,8 @@ class Parameters:
     pixel_bits
         Width of a pixel, 4 to 10; pixels are unsigned.
     max_width, max_height
-        Largest frame, 15 to 8192 either way. The size of each frame is set at run time, from 15x15
-        up to this.
+        Largest frame, from ``Algorithm.support`` to 8192 either way. The size of each frame is set
+        at run time, within the same bounds up to this.
     budget
         Build what the settings ``max_corners``, ``target_corners``, ``reference_rank`` and
         ``smoothing`` need.
@@ -55,13 +55,13 @@ class Parameters:
     max_width: int = option(
         1920,
         "Widest frame that the hardware is built for, and the widest image that is taken.",
-        low=SUPPORT,
+        low=1,
         high=MAX_SIDE,
     )
     max_height: int = option(
         1080,
         "Highest frame that the hardware is built for, and the highest image that is taken.",
-        low=SUPPORT,
+        low=1,
         high=MAX_SIDE,
     )
     budget: bool = option(
@@ -70,6 +70,8 @@ class Parameters:
 
     def __post_init__(self) -> None:
         check_type("algorithm", self.algorithm, Algorithm)
+        for side in ("max_width", "max_height"):
+            plain_integer(self, side, self.algorithm.support, MAX_SIDE)
         check_options(self)
 
     @classmethod

@@ -9,7 +9,6 @@ a saddle.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 from golden.algorithm import ResponseFilter
 from golden.preprocessing import IntArray
@@ -25,15 +24,8 @@ def response_filter(responses: IntArray) -> IntArray:
     return (down[:, :-2] + 2 * down[:, 1:-1] + down[:, 2:] + 8) >> 4
 
 
-class ChosenFilter(NamedTuple):
-    """A response filter, as a frame uses it."""
-
-    reach: int
-    """Pixels that are lost at each edge."""
-    apply: Callable[[IntArray], IntArray]
-
-
-RESPONSE_FILTERS: dict[ResponseFilter, ChosenFilter] = {
-    "none": ChosenFilter(0, lambda responses: responses),
-    "binomial": ChosenFilter(1, response_filter),
+RESPONSE_FILTERS: dict[ResponseFilter, Callable[[IntArray], IntArray]] = {
+    "none": lambda responses: responses,
+    "binomial": response_filter,
 }
+"""Each takes ``RESPONSE_FILTER_REACH`` places away at each edge."""

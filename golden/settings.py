@@ -41,7 +41,8 @@ class Settings:
     sigma2
         Texture threshold, 0 <= sigma2 < 16: a corner has tau < T2 = sigma2 · Dref. Rounded to
         1/65536, but not to 0. With ``texture="mean"`` it is the weight of the local level of D,
-        whatever Dref is: 0, or 1/8 to 15/8, rounded down to eighths.
+        whatever Dref is: 0, or 1/8 to 15/8, rounded down to eighths. With ``texture="none"`` it
+        changes nothing.
     reference
         Dref: the largest D of the ``"previous"`` frame, or the ``"constant"``. The first frame
         after reset has no previous one and uses the constant. Only the pixels at which a corner may
@@ -53,7 +54,8 @@ class Settings:
         Dref is never below it, in units of D. Without it, the noise of the frame after a black one
         would become corners.
     report_rejected
-        Also report the corners that the texture filter rejects, flagged ``TEXTURED``.
+        Also report the corners that the texture filter rejects, flagged ``TEXTURED``. With
+        ``texture="none"`` it changes nothing.
     max_corners
         Largest number of accepted corners in a frame: the first ones in raster order. Rejected
         corners do not count, and none is reported after the last accepted one. 0: no limit. It is
@@ -85,7 +87,7 @@ class Settings:
         0.5,
         "With texture 'patches': a corner has a texture measure below sigma2 times the reference; 0 <= sigma2 < 16. "
         "With texture 'mean': weight of the local mean of D, which is added to the threshold; 0, or 0.125 to 1.875, "
-        "rounded down to eighths.",
+        "rounded down to eighths. With texture 'none' it changes nothing.",
         high=1 << SIGMA2_INTEGER_BITS,
     )
     reference: Reference = option(

@@ -26,11 +26,18 @@ def _mean(peaks: IntArray, windows: IntArray, limits: Thresholds, patches: Patch
     return adaptive_threshold(peaks, windows, limits.t1, limits.t2)
 
 
+def _none(peaks: IntArray, windows: IntArray, limits: Thresholds, patches: Patches) -> Judgement:
+    return np.ones(len(peaks), np.bool_), peaks
+
+
 class TextureTest(NamedTuple):
     """A texture filter as a frame uses it."""
 
     judge: Callable[[IntArray, IntArray, Thresholds, Patches], Judgement]
-    """From peaks (n,), windows (n, 9, 9) of D around them, thresholds and the kind of patches."""
+    """From peaks (n,), windows (n, size, size) of D, thresholds and the kind of patches.
+
+    The size is ``Algorithm.window_size``.
+    """
     by_reference: bool
     """Is T2 a fraction of Dref?"""
 
@@ -38,4 +45,5 @@ class TextureTest(NamedTuple):
 TEXTURES: dict[Texture, TextureTest] = {
     "patches": TextureTest(_patches, by_reference=True),
     "mean": TextureTest(_mean, by_reference=False),
+    "none": TextureTest(_none, by_reference=False),
 }

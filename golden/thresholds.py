@@ -16,7 +16,8 @@ class Thresholds(NamedTuple):
     """In units of D."""
     t2: int
     """In units of tau, which is scaled by ``Parameters.pixels_per_region``. With
-    ``texture="mean"``, it is not a threshold but ``Settings.mean_weight``.
+    ``texture="mean"``, it is not a threshold but ``Settings.mean_weight``; with ``"none"``, nothing
+    is compared with it.
     """
 
 

@@ -12,8 +12,8 @@ start of frame before the     The frame is cut: it is closed without its remaini
 end of the frame              flagged. The new one begins at once.
 pixels after a frame's last   They are dropped, up to the next start of frame.
 end of line too early         The frame is cut, and what follows is dropped up to the next start of
-                              frame: no corner could have fifteen whole rows for the next fifteen
-                              rows.
+                              frame: no corner could have its support in whole rows before as many
+                              further rows have come.
 end of line too late          The surplus is dropped, up to the end of line; the frame goes on.
 ============================  ====================================================================
 
@@ -32,7 +32,6 @@ import numpy as np
 from golden.checks import check_integer, check_type
 from golden.corners import ByValue
 from golden.detector import StreamModel, pixel_dtype
-from golden.formats import SUPPORT
 from golden.output_constructor import NO_LIMIT, FrameEnd, Records, encode_frame_end
 from golden.parameters import Parameters
 from golden.preprocessing import Image
@@ -77,7 +76,7 @@ class VideoSettings:
     Parameters
     ----------
     width, height
-        Frame size, 15x15 up to the built maximum.
+        Frame size, from ``Algorithm.support`` either way up to the built maximum.
     settings
         Thresholds.
     enabled
@@ -99,8 +98,9 @@ class VideoSettings:
     def check(self, parameters: Parameters) -> None:
         """Raise ``TypeError`` or ``ValueError`` if this detector cannot have these settings."""
         check_type("parameters", parameters, Parameters)
-        check_integer("width", self.width, SUPPORT, parameters.max_width)
-        check_integer("height", self.height, SUPPORT, parameters.max_height)
+        least = parameters.algorithm.support
+        check_integer("width", self.width, least, parameters.max_width)
+        check_integer("height", self.height, least, parameters.max_height)
         check_integer("max_records", self.max_records, 0, NO_LIMIT)
         check_type("enabled", self.enabled, bool)
         check_type("ignore_eol", self.ignore_eol, bool)

@@ -8,7 +8,7 @@ from amaranth.hdl import C, Module, Mux, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.formats import BUDGET_BITS, COORDINATE_BITS, MARGIN, OFFSET_BITS
+from golden.formats import BUDGET_BITS, COORDINATE_BITS, OFFSET_BITS
 from golden.output_constructor import COUNT_BITS
 from golden.parameters import Parameters
 from hdl.build import Build
@@ -128,7 +128,8 @@ class CandidateSelection(wiring.Component):
         wiring.connect(m, pending.o, wiring.flipped(self.pending))
 
         room, step, ending = Signal(init=1), Signal(), Signal()
-        x, y = Signal(PIXEL_COORDINATE_BITS, init=MARGIN), Signal(PIXEL_COORDINATE_BITS, init=MARGIN)
+        margin = p.algorithm.margin
+        x, y = Signal(PIXEL_COORDINATE_BITS, init=margin), Signal(PIXEL_COORDINATE_BITS, init=margin)
         allowed, place = self._budget(m, step, ending, (x, y)) if p.budget else (C(1), (x, y))
         # a clock late, and an end can still follow: there is room for it, too
         flags_room = self._corner_flags(m, step, allowed) if p.video_out else C(1)
@@ -143,9 +144,9 @@ class CandidateSelection(wiring.Component):
         with m.If(step):
             m.d.sync += x.eq(x + 1)
             with m.If(self.corners.payload.eol):
-                m.d.sync += [x.eq(MARGIN), y.eq(y + 1)]
+                m.d.sync += [x.eq(margin), y.eq(y + 1)]
             with m.If(self.corners.payload.eof):
-                m.d.sync += y.eq(MARGIN)
+                m.d.sync += y.eq(margin)
         # the next window is at least a row's first eight columns away: the end never meets a
         # candidate
         m.d.sync += ending.eq(self.last)

@@ -8,7 +8,6 @@ from amaranth.hdl import Module, Mux, Signal, Value, unsigned
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.formats import SUPPORT
 from golden.parameters import Parameters
 from hdl.parts.probes import probe
 from hdl.parts.stream import Beat
@@ -19,7 +18,8 @@ class FrameControl(wiring.Component):
     """Counts pixels into rows and frames.
 
     Size and settings are sampled with the first pixel of a frame and hold for the whole of it. A
-    width or height out of range is taken as the nearest that is allowed (15, or the built maximum).
+    width or height out of range is taken as the nearest that is allowed: ``Algorithm.support``, or
+    the built maximum.
 
     Members
     -------
@@ -64,7 +64,8 @@ class FrameControl(wiring.Component):
         # compared one pixel and one row early, so that the ends are registers; the values are never
         # 0, where counting begins
         x, y = Signal(range(self._parameters.max_width)), Signal(range(self._parameters.max_height))
-        last_but_one_x, last_but_one_y = (Signal.like(place, init=SUPPORT - 2) for place in (x, y))
+        least = self._parameters.algorithm.support
+        last_but_one_x, last_but_one_y = (Signal.like(place, init=least - 2) for place in (x, y))
         eol, last_row, eof = Signal(), Signal(), Signal()
         m.d.comb += eof.eq(eol & last_row)
         with m.If(step):
@@ -74,8 +75,8 @@ class FrameControl(wiring.Component):
         # sampled in every clock up to that of the first pixel, so that no logic has to detect it
         with m.If(first & ~self.settings.valid):
             m.d.sync += [
-                last_but_one_x.eq(_clamped(self.width, self._parameters.max_width) - 2),
-                last_but_one_y.eq(_clamped(self.height, self._parameters.max_height) - 2),
+                last_but_one_x.eq(_clamped(self.width, least, self._parameters.max_width) - 2),
+                last_but_one_y.eq(_clamped(self.height, least, self._parameters.max_height) - 2),
                 self.settings.payload.eq(self.next_settings),
             ]
 
@@ -95,5 +96,5 @@ class FrameControl(wiring.Component):
         return m
 
 
-def _clamped(size: Value, largest: int) -> Value:
-    return Mux(size < SUPPORT, SUPPORT, Mux(size > largest, largest, size))
+def _clamped(size: Value, least: int, largest: int) -> Value:
+    return Mux(size < least, least, Mux(size > largest, largest, size))

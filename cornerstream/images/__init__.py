@@ -15,7 +15,6 @@ from cornerstream.errors import BadInput, one_line, reason
 from cornerstream.images.decoders import ALLOWED, Decoded, check_kind, decode, kind
 from cornerstream.images.depth import eight_bits, fitted, normalized
 from cornerstream.images.headers import read_header
-from golden.formats import SUPPORT
 from golden.parameters import Parameters
 
 _LARGEST_FILE = 1 << 30
@@ -53,8 +52,9 @@ class _Wanted:
 
     def check_size(self, name: str, size: tuple[int, int], *, turned: bool = False) -> None:
         sizes = [size, size[::-1]] if turned else [size]
+        least = self.parameters.algorithm.support
         if not any(
-            SUPPORT <= width <= self.parameters.max_width and SUPPORT <= height <= self.parameters.max_height
+            least <= width <= self.parameters.max_width and least <= height <= self.parameters.max_height
             for width, height in sizes
         ):
             raise BadInput(f"{name} is {size[0]}x{size[1]} pixels; {self.allowed_size}")
@@ -62,7 +62,8 @@ class _Wanted:
     @property
     def allowed_size(self) -> str:
         largest = f"{self.parameters.max_width}x{self.parameters.max_height}"
-        least = f"allowed: {SUPPORT}x{SUPPORT} up to"
+        side = self.parameters.algorithm.support
+        least = f"allowed: {side}x{side} up to"
         if self.options:
             return f"{least} the built maximum of {largest} (see --max-width, --max-height)"
         return f"{least} {largest}"

@@ -1,6 +1,6 @@
 """Detectors that are compared: each gives the corners of an image, the strongest first.
 
-All of them give only corners whose 15x15 support lies inside the image, as the hardware does.
+All of them give only corners that are as far inside the image as the largest margin of a profile.
 """
 
 from __future__ import annotations
@@ -13,13 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evaluation.inputs.packages import opencv
-from golden import Parameters, Settings, detect
-from golden.formats import MARGIN, MAX_SIDE, SIGMA2_INTEGER_BITS
+from golden import PROFILES, Parameters, Settings, detect
+from golden.formats import MAX_SIDE, SIGMA2_INTEGER_BITS
 
 Image = NDArray[np.uint8]
 Points = NDArray[np.float64]
 """(n, 2): x and y of corners in pixels, the first pixel's centre at (0, 0), strongest first."""
 
+MARGIN = max(algorithm.margin for algorithm in PROFILES.values())
+"""Pixels at each edge of an image in which no detector looks for corners."""
 LOWEST_SIGMA1 = 0.002
 """sigma1 for the best N corners: low enough that thousands remain on a photograph."""
 NO_FILTER = float(1 << SIGMA2_INTEGER_BITS) - 1
@@ -90,10 +92,14 @@ class Ours(Detector):
         settings = Settings.default(self.parameters, sigma1=thresholds.sigma1, sigma2=sigma2)
         corners = detect(image, self.parameters, settings)
         order = np.argsort(-corners.response, kind="stable")
-        return np.column_stack([corners.x, corners.y])[order]
+        points = np.column_stack([corners.x, corners.y])[order]
+        if self.parameters.algorithm.margin == MARGIN:
+            return points
+        last = np.array(image.shape[::-1]) - 1 - MARGIN
+        return points[((points >= MARGIN) & (points <= last)).all(axis=1)]
 
     def _sigma2(self, thresholds: Thresholds) -> float:
-        if self.parameters.algorithm.texture == "patches":
+        if self.parameters.algorithm.texture != "mean":
             return thresholds.sigma2 if self.filtered else NO_FILTER
         # the adaptive threshold's weight is another thing than the paper's sigma2
         return USUAL.sigma2 if self.filtered else 0.0

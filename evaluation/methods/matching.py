@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from evaluation.inputs.sources import Pair
 from evaluation.methods.bootstrap import Values
-from evaluation.methods.detectors import Points
-from golden.formats import MARGIN
+from evaluation.methods.detectors import MARGIN, Points
 
 TOLERANCE = 1.5
 """Pixels of the second view."""

@@ -21,8 +21,7 @@ from evaluation.presentation.table import Table
 from evaluation.sections.section import Material, Section
 from golden import Corners, detect
 from golden.algorithm import Fit
-from golden.formats import MARGIN
-from golden.frame import RESPONSE_MARGIN, response_map
+from golden.frame import response_map
 from golden.parameters import Parameters
 from golden.preprocessing import Image
 
@@ -61,7 +60,8 @@ def on_board(square: int, parameters: Parameters) -> Found:
     """
     found = detect(board(square), parameters)
     edges = np.arange(square, BOARD_SIDE, square) - 0.5
-    edges = edges[(edges > MARGIN) & (edges < BOARD_SIDE - 1 - MARGIN)]
+    margin = parameters.algorithm.margin
+    edges = edges[(edges > margin) & (edges < BOARD_SIDE - 1 - margin)]
     off = [np.abs(axis[:, None] - edges).min(axis=1) for axis in (found.x, found.y)]
     return Found(len(edges) ** 2, len(found), float(np.hypot(*off).max(initial=0)))
 
@@ -101,7 +101,7 @@ def picture() -> Pictures.Image:
     largest = max(int(each.max()) for each in responses.values())
     for column, (square, response) in enumerate(responses.items()):
         shown = board(square)
-        inside = slice(RESPONSE_MARGIN, -RESPONSE_MARGIN)
+        inside = slice(parameters.algorithm.response_margin, -parameters.algorithm.response_margin)
         level = np.zeros_like(shown)
         level[inside, inside] = np.rint(response * (255 / largest))
         corners = detect(shown, parameters)

@@ -15,7 +15,7 @@ from flow.verilog import MODULE, emit_verilog
 from flow.verilog_ports import ports_of, split_modules
 from golden import Settings
 from golden import output_constructor as record
-from golden.formats import COORDINATE_BITS, MARGIN, OFFSET_BITS, SUPPORT
+from golden.formats import COORDINATE_BITS, OFFSET_BITS
 from golden.subpixel import FITS
 from golden.version import VERSION
 from hdl.build import Build
@@ -102,7 +102,7 @@ def _facts(build: Build, name: str) -> dict[str, Any]:
         "defaults": Settings.default(build),
         "example_height": min(EXAMPLE_HEIGHT, build.max_height),
         "example_width": min(EXAMPLE_WIDTH, build.max_width),
-        "margin": MARGIN,
+        "margin": build.algorithm.margin,
         "manifest": MANIFEST,
         "module": name,
         "named": name != MODULE,
@@ -123,7 +123,7 @@ def _facts(build: Build, name: str) -> dict[str, Any]:
             "response_bits": record.RESPONSE_FIELD_BITS,
             "response_shift": record.RESPONSE_SHIFT,
         },
-        "smallest": SUPPORT,
+        "smallest": build.algorithm.support,
         "verilog": f"rtl/{name}.v",
         "version": VERSION,
         "video_packet": VIDEO_PACKET,

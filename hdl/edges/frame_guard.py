@@ -8,7 +8,6 @@ from amaranth.hdl import Module, Mux, Signal, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.formats import SUPPORT
 from golden.video import Event
 from hdl.build import Build
 from hdl.parts.probes import probe
@@ -47,7 +46,7 @@ class FrameGuard(wiring.Component):
     o
         Stream of ``video_layout(build)``: pixels of whole frames with correct framing.
     width, height
-        Size of the next frame, 15x15 up to the built maximum; sampled with its first pixel.
+        Size of the next frame, allowed by the detector; sampled with its first pixel.
     frame_width, frame_height
         Size of the frame under way, or of the last one, until the first pixel of the next one is
         taken.
@@ -74,14 +73,15 @@ class FrameGuard(wiring.Component):
     def __init__(self, build: Build) -> None:
         self._build = build
         width, height = range(build.max_width + 1), range(build.max_height + 1)
+        least = build.algorithm.support
         super().__init__(
             {
                 "i": In(stream.Signature(video_layout(build))),
                 "o": Out(stream.Signature(video_layout(build))),
                 "width": In(width),
                 "height": In(height),
-                "frame_width": Out(width, init=SUPPORT),
-                "frame_height": Out(height, init=SUPPORT),
+                "frame_width": Out(width, init=least),
+                "frame_height": Out(height, init=least),
                 "enable": In(1),
                 "ignore_eol": In(1),
                 "restart": In(1),
@@ -181,7 +181,8 @@ class FrameGuard(wiring.Component):
         build = self._build
         x, y = Signal(range(build.max_width)), Signal(range(build.max_height))
         # row and frame ends are known one pixel, and one row, ahead, so that they are registers
-        last_but_one_x, last_but_one_y = (Signal.like(place, init=SUPPORT - 2) for place in (x, y))
+        least = build.algorithm.support
+        last_but_one_x, last_but_one_y = (Signal.like(place, init=least - 2) for place in (x, y))
         with m.If(~self.active):
             m.d.sync += [
                 last_but_one_x.eq(self.width - 2),

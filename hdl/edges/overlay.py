@@ -8,7 +8,6 @@ from amaranth.hdl import Module, Mux, ResetInserter, Signal, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.formats import MARGIN
 from hdl.build import Build
 from hdl.candidate_selection import corner_flag_layout
 from hdl.edges.frame_guard import video_layout
@@ -86,28 +85,29 @@ class Overlay(wiring.Component):
 
         # columns and rows before the first that can have a flag; right, below: the last flag of
         # the row, or of the frame, has been used
-        column, row = Signal(range(MARGIN + 1)), Signal(range(MARGIN + 1))
+        margin = self._build.algorithm.margin
+        column, row = Signal(range(margin + 1)), Signal(range(margin + 1))
         right, below = Signal(), Signal()
         flagged, free, step, eol = Signal(), Signal(), Signal(), Signal()
         tag = queue.o.payload.tag
         m.d.comb += [
-            flagged.eq((column == MARGIN) & (row == MARGIN) & ~right & ~below),
+            flagged.eq((column == margin) & (row == margin) & ~right & ~below),
             free.eq((~self.o.valid | self.o.ready) & (~flagged | self.corner_flags.valid)),
             step.eq(queue.o.valid & free),
             queue.o.ready.eq(free),
             self.corner_flags.ready.eq(step & flagged),
             eol.eq(tag & (column != 0)),
-            self.done.eq(step & eol & below & (row == MARGIN)),
+            self.done.eq(step & eol & below & (row == margin)),
         ]
         with m.If(step):
-            m.d.sync += column.eq(Mux(eol, 0, Mux(column == MARGIN, MARGIN, column + 1)))
+            m.d.sync += column.eq(Mux(eol, 0, Mux(column == margin, margin, column + 1)))
             with m.If(flagged):
                 m.d.sync += right.eq(self.corner_flags.payload.eol)
                 with m.If(self.corner_flags.payload.eof):
                     m.d.sync += [below.eq(1), row.eq(0)]
             with m.If(eol):
                 m.d.sync += right.eq(0)
-                with m.If(row != MARGIN):
+                with m.If(row != margin):
                     m.d.sync += row.eq(row + 1)
             with m.If(self.done):
                 m.d.sync += [below.eq(0), row.eq(0)]

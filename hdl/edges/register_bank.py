@@ -8,7 +8,6 @@ from amaranth.hdl import C, Cat, Module, Signal, Value
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.formats import SUPPORT
 from golden.video import Event
 from hdl.build import Build
 from hdl.edges.frame_guard import events_layout
@@ -159,7 +158,9 @@ class RegisterBank(wiring.Component):
         }
         good = Signal()
         m.d.comb += good.eq(
-            Cat((size >= SUPPORT) & (size <= limits[name]) for name, size in sizes.items()).all()
+            Cat(
+                (size >= build.algorithm.support) & (size <= limits[name]) for name, size in sizes.items()
+            ).all()
             & bus.write_mask.all()
         )
         with m.If(written & good):

@@ -9,7 +9,6 @@ from golden.formats import (
     SIGMA2_INTEGER_BITS,
     SIGMA_BITS,
     SMOOTHING_BITS,
-    SUPPORT,
 )
 from golden.output_constructor import COUNT_BITS, FRAME_BITS, NO_LIMIT, RESPONSE_FIELD_BITS
 from golden.settings import Settings
@@ -87,6 +86,7 @@ def _about(build: Build) -> tuple[Register, ...]:
 
 def _control(build: Build) -> tuple[Register, ...]:
     events = [(str(event.name).lower(), event.bit_length() - 1, event) for event in Event]
+    least = build.algorithm.support
     return (
         Register(
             "CONTROL",
@@ -138,7 +138,7 @@ def _control(build: Build) -> tuple[Register, ...]:
             "SIZE",
             0x1C,
             "rw",
-            f"Frame size, {SUPPORT}x{SUPPORT} to {build.max_width}x{build.max_height}. "
+            f"Frame size, {least}x{least} to {build.max_width}x{build.max_height}. "
             "All four bytes must be written at once.",
             (
                 Field("width", 0, 16, PIXELS, build.max_width),

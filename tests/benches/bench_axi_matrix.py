@@ -12,7 +12,7 @@ import cocotb
 import numpy as np
 
 from golden import Settings
-from golden.formats import MARGIN, OFFSET_BITS
+from golden.formats import OFFSET_BITS
 from golden.output_constructor import COORDINATE_BITS, Records
 from golden.preprocessing import Image
 from golden.video import Packet, VideoSettings
@@ -109,7 +109,8 @@ def waits(packet: Packet, bench: Bench, width: int, height: int) -> bool:
     x = (records & ((1 << COORDINATE_BITS) - 1)) >> OFFSET_BITS
     y = (records >> COORDINATE_BITS & ((1 << COORDINATE_BITS) - 1)) >> OFFSET_BITS
     # half a pixel either way does not matter
-    decided = (y + 1 + MARGIN) * width + x + 1 + MARGIN
+    margin = bench.parameters.algorithm.margin
+    decided = (y + 1 + margin) * width + x + 1 + margin
     return bool((decided > width * height - bench.refinement_latency).any())
 
 

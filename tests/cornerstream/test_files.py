@@ -34,7 +34,6 @@ from cornerstream.picture import (
     scale_for,
 )
 from golden import Corners, Flag, Settings
-from golden.formats import MARGIN
 
 CORNERS = Corners(
     x=np.array([10.5, 20.0078125, 30.0]),
@@ -42,7 +41,8 @@ CORNERS = Corners(
     response=np.array([130050, 7, 400]),
     flags=np.array([0, Flag.CLAMPED | Flag.TEXTURED, Flag.NOT_MAXIMUM], dtype=np.uint8),
 )
-PANEL = Panel("robust", Settings(), CORNERS)
+MARGIN = 7
+PANEL = Panel("robust", Settings(), CORNERS, MARGIN)
 NO_CORNERS = Corners(*(np.array([], dtype=kind) for kind in (float, float, np.int64, np.uint8)))
 
 
@@ -98,7 +98,7 @@ def test_each_kind_of_corner_has_its_mark() -> None:
     clamped = Corners(
         *(np.append(a, b) for a, b in zip(vars(CORNERS).values(), (20, 12, 50, np.uint8(1)), strict=True))
     )
-    picture = draw_corners(GREY, clamped)
+    picture = draw_corners(GREY, clamped, MARGIN)
     assert picture.size == (40 * SCALE, 30 * SCALE)
     for colour in (ACCEPTED, REJECTED, CLAMPED, NOT_MAXIMUM):
         assert count(picture, colour) > 10
@@ -114,7 +114,7 @@ def test_the_stronger_a_corner_the_larger_its_mark_and_the_denser_the_smaller() 
         x = np.linspace(10, 1990, count)
         response = np.resize(np.array(responses), count)
         corners = Corners(x, np.full(count, 50.0), response, np.zeros(count, np.uint8))
-        drawn = np.asarray(draw_corners(np.zeros((100, 2000), np.uint8), corners))
+        drawn = np.asarray(draw_corners(np.zeros((100, 2000), np.uint8), corners, MARGIN))
         return int((drawn == ACCEPTED).all(axis=-1).sum()) // count
 
     assert pixels(20, [100, 100]) > pixels(20, [100, 10]) > pixels(20, [100, 1])
@@ -125,24 +125,31 @@ def test_the_strongest_is_drawn_last() -> None:
     pair = Corners(*(np.array(column) for column in ([20.0, 20.0], [12.0, 12.0], [9, 9])), np.uint8([0, 1]))
     weaker = Corners(pair.x, pair.y, np.array([9, 8]), pair.flags)
     # a ring and a square of one size cross each other: who is on top has all of its pixels
-    assert count(draw_corners(GREY, weaker), ACCEPTED) == count(draw_corners(GREY, weaker[:1]), ACCEPTED)
+    assert count(draw_corners(GREY, weaker, MARGIN), ACCEPTED) == count(
+        draw_corners(GREY, weaker[:1], MARGIN), ACCEPTED
+    )
     rejected = Corners(pair.x, pair.y, np.array([8, 9]), np.array([0, Flag.TEXTURED], np.uint8))
-    assert count(draw_corners(GREY, rejected), ACCEPTED) == count(draw_corners(GREY, rejected[:1]), ACCEPTED)
+    assert count(draw_corners(GREY, rejected, MARGIN), ACCEPTED) == count(
+        draw_corners(GREY, rejected[:1], MARGIN), ACCEPTED
+    )
 
 
 def test_the_border_without_corners_is_shaded() -> None:
-    drawn = np.asarray(draw_corners(np.full((100, 1200), 200, np.uint8), NO_CORNERS))[..., 0]
+    drawn = np.asarray(draw_corners(np.full((100, 1200), 200, np.uint8), NO_CORNERS, MARGIN))[..., 0]
     inner = np.zeros(drawn.shape, bool)
     inner[MARGIN:-MARGIN, MARGIN:-MARGIN] = True
     assert (drawn[inner] == 200).all() and (drawn[~inner] == 110).all()
 
 
 def test_panels_are_side_by_side_with_a_legend() -> None:
-    one, two = draw_panels(GREY, [PANEL]), draw_panels(GREY, [PANEL, Panel("paper", Settings(), NO_CORNERS)])
+    one, two = (
+        draw_panels(GREY, [PANEL]),
+        draw_panels(GREY, [PANEL, Panel("paper", Settings(), NO_CORNERS, MARGIN)]),
+    )
     assert two.width > 2 * 40 * SCALE and one.width < two.width
     assert one.height > 30 * SCALE + 60
     # each mark once more in the legend
-    alone = draw_corners(GREY, CORNERS)
+    alone = draw_corners(GREY, CORNERS, MARGIN)
     for colour in (ACCEPTED, REJECTED, NOT_MAXIMUM):
         assert count(one, colour) > count(alone, colour)
     assert count(one, CLAMPED) == count(alone, CLAMPED) == 0
@@ -154,7 +161,7 @@ def test_panels_are_side_by_side_with_a_legend() -> None:
 def test_picture_is_the_photograph_where_nothing_is_drawn() -> None:
     random = np.random.default_rng(1)
     photo = random.integers(0, 256, (200, 1200), dtype=np.uint8)
-    drawn = np.asarray(draw_corners(photo, NO_CORNERS))
+    drawn = np.asarray(draw_corners(photo, NO_CORNERS, MARGIN))
     inner = np.s_[MARGIN:-MARGIN, MARGIN:-MARGIN]
     assert drawn.shape == (200, 1200, 3) and (drawn[inner] == photo[inner][..., None]).all()
 
@@ -166,7 +173,7 @@ def test_marks_at_the_edges_are_cut_off() -> None:
         response=np.array([1, 1, 1]),
         flags=np.array([0, 0, Flag.TEXTURED], dtype=np.uint8),
     )
-    assert draw_corners(np.zeros((16, 1200), np.uint8), at_edges).width == 1200
+    assert draw_corners(np.zeros((16, 1200), np.uint8), at_edges, MARGIN).width == 1200
 
 
 def test_results_are_written(tmp_path: Path) -> None:
@@ -179,7 +186,7 @@ def test_results_are_written(tmp_path: Path) -> None:
 
 
 def test_results_of_two_profiles(tmp_path: Path) -> None:
-    panels = [PANEL, Panel("paper", Settings(), CORNERS[:1])]
+    panels = [PANEL, Panel("paper", Settings(), CORNERS[:1], MARGIN)]
     paths = write_results(tmp_path, np.zeros((30, 40), np.uint8), panels)
     assert [path.name for path in paths] == ["corners-robust.csv", "corners-paper.csv", "corners.png"]
     assert [path.read_text() for path in paths[:2]] == [panel.corners.to_csv() for panel in panels]

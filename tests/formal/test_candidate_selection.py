@@ -11,7 +11,6 @@ from amaranth.hdl import Assert, Assume, Cat, Cover, Elaboratable, Module, Mux, 
 from amaranth.lib import data
 
 import hdl.candidate_selection
-from golden.formats import MARGIN
 from hdl.build import Build
 from hdl.candidate_selection import INSIDE
 from hdl.parts.queue import ROOM
@@ -29,6 +28,7 @@ from tests.formal.properties import (
 from tests.formal.queues import queue_holds
 
 DEFAULT = Build.profile("paper")
+MARGIN = DEFAULT.algorithm.margin
 SHORT = Build.profile("paper", pixel_bits=4)
 """With queues that are soon full, shorter than any that can be built: for covers and faults."""
 object.__setattr__(SHORT, "queue_depth", ROOM)
@@ -150,7 +150,7 @@ SELECTION = Claim(
         Fault("candidates.room & pending.room", "pending.room", "candidate: more is inside", 14),
         Fault("pending.i.valid.eq(picked | ending)", "pending.i.valid.eq(picked)", "pending: ", 5),
         Fault("first | (response > self.largest)", "response > self.largest", "pending: another beat", 14),
-        Fault("[x.eq(MARGIN), y.eq(y + 1)]", "x.eq(MARGIN)", "pending: another beat", 6),
+        Fault("[x.eq(margin), y.eq(y + 1)]", "x.eq(margin)", "pending: another beat", 6),
         Fault("picked.eq(step &", "picked.eq(self.corners.valid &", "", 14),
     ),
 )

@@ -10,7 +10,6 @@ import pytest
 from amaranth.hdl import Cat, Cover, Elaboratable, Module, Mux, Signal, Value
 
 import hdl.frame_control
-from golden.formats import SUPPORT
 from hdl.build import Build
 from tests.formal.claims import Case, Claim, Fault, cases
 from tests.formal.design import probes_of, variant
@@ -42,8 +41,9 @@ class FrameControlChecker(Elaboratable):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        least = self._design.SUPPORT
-        parameters = DEFAULT if least == SUPPORT else SMALL
+        small = hasattr(self._design, "SMALLEST")
+        parameters = SMALL if small else DEFAULT
+        least = SMALLEST if small else parameters.algorithm.support
         m.submodules.dut = dut = self._design.FrameControl(parameters)
         inside = probes_of(dut)
         free(m, dut)
@@ -89,7 +89,7 @@ class FrameControlChecker(Elaboratable):
         )
         settings.leaves_within(1, dut.settings.ready)
         accepts_within(m, 2, dut.i, during=dut.o.ready & dut.settings.ready, name="i")
-        if least < SUPPORT:
+        if small:
             m.d.comb += [
                 Cover(moves(dut.o) & dut.o.payload.eol, "a row ends"),
                 Cover(moves(dut.o) & dut.o.payload.eof, "a frame ends"),
@@ -128,7 +128,10 @@ FRAMES = Claim(
     design=hdl.frame_control,
     small=variant(
         hdl.frame_control,
-        {"from golden.formats import SUPPORT\n": f"SUPPORT = {SMALLEST}\n"},
+        {
+            "class FrameControl(": f"SMALLEST = {SMALLEST}\n\n\nclass FrameControl(",
+            "least = self._parameters.algorithm.support": "least = SMALLEST",
+        },
     ),
     check=FrameControlChecker,
     depth=1,

@@ -9,7 +9,7 @@ less than 5.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
 from typing import Any
@@ -19,7 +19,7 @@ import pytest
 from hypothesis import given
 from numpy.typing import NDArray
 
-from golden import Corners, Parameters, Settings, detect, float_model, reference_detect
+from golden import PROFILES, Corners, Parameters, Settings, detect, float_model, reference_detect
 from golden.corner_detection import corner_detection
 from golden.frame import response_map
 from golden.normal_equations import normal_equations
@@ -33,6 +33,10 @@ from tests.support.strategies import detectors, images
 SPREAD = 5
 """Two responses' errors differ by less than this."""
 SETTINGS = Settings(sigma1=0.05, report_rejected=True)
+ABSOLUTE = PROFILES["paper"]
+SIGNED = replace(ABSOLUTE, gradient="signed")
+CENTRAL = {"derivative": "central", "pixel_filter": "none"}
+"""Gradients that nothing rounds."""
 NINE = np.linalg.pinv(float_model.design_matrix(float_model.GRID_X, float_model.GRID_Y))
 """The nine-point fit as a matrix."""
 
@@ -62,7 +66,7 @@ def test_maps_are_undefined_at_the_edges_only() -> None:
     for values, edge in (
         (gx, 1),
         (gy, 1),
-        (float_model.response_map(np.zeros((20, 30), np.uint8), "signed"), 3),
+        (float_model.response_map(np.zeros((20, 30), np.uint8), SIGNED), 3),
     ):
         assert values.shape == (20, 30)
         assert not values[edge:-edge, edge:-edge].any()
@@ -73,19 +77,21 @@ def test_edges_at_45_degrees() -> None:
     """A = 48, B = 64, C = 48 or 0, as in the golden model's test, with an unrounded root."""
     y, x = np.mgrid[-10:11, -10:11]
     image = (60 + 4 * (y + np.abs(x))).astype(np.uint8)
-    assert float_model.response_map(image, "absolute")[10, 10] == pytest.approx(112 - np.sqrt(16**2 + 96**2))
-    assert float_model.response_map(image, "signed")[10, 10] == pytest.approx(96)
+    assert float_model.response_map(image, ABSOLUTE)[10, 10] == pytest.approx(112 - np.sqrt(16**2 + 96**2))
+    assert float_model.response_map(image, SIGNED)[10, 10] == pytest.approx(96)
 
 
 @pytest.mark.parametrize(("v", "u"), [(0, 1), (1, -1), (1, 0), (1, 1)])
 def test_ties_and_threshold(v: int, u: int) -> None:
     responses = np.zeros((20, 20))
     responses[9, 9] = 3.5
-    assert np.argwhere(float_model.corner_map(responses, 3.0, "strict")).tolist() == [[9, 9]]
-    assert not float_model.corner_map(responses, 3.5, "strict").any()
+    assert np.argwhere(float_model.corner_map(responses, 3.0, ABSOLUTE)).tolist() == [[9, 9]]
+    assert not float_model.corner_map(responses, 3.5, ABSOLUTE).any()
     responses[9 + v, 9 + u] = 3.5
-    assert not float_model.corner_map(responses, 3.0, "strict").any()
-    assert np.argwhere(float_model.corner_map(responses, 3.0, "first")).tolist() == [[9, 9]]
+    assert not float_model.corner_map(responses, 3.0, ABSOLUTE).any()
+    assert np.argwhere(float_model.corner_map(responses, 3.0, replace(ABSOLUTE, ties="first"))).tolist() == [
+        [9, 9]
+    ]
 
 
 @pytest.mark.parametrize("fit", ["nine", "six"])
@@ -109,22 +115,18 @@ def test_printed_formulas_do_not_find_it() -> None:
     assert (round(peak[0], 2), round(peak[1], 2)) == (0.04, -0.54)
 
 
-@given(images(), detectors(derivative="central"))
+@given(images(), detectors(**CENTRAL))
 def test_response_is_within_rounding(image: NDArray[np.uint8], parameters: Parameters) -> None:
-    error = response_map(image, parameters) - inside(
-        float_model.response_map(image, parameters.algorithm.gradient)
-    )
+    error = response_map(image, parameters) - inside(float_model.response_map(image, parameters.algorithm))
     assert error.min() >= -2
     assert error.max() < 3
 
 
-@given(images(pixel_bits=10), detectors(pixel_bits=10, derivative="central"))
+@given(images(pixel_bits=10), detectors(pixel_bits=10, **CENTRAL))
 def test_response_is_within_rounding_for_wide_pixels(
     image: NDArray[np.uint16], parameters: Parameters
 ) -> None:
-    error = response_map(image, parameters) - inside(
-        float_model.response_map(image, parameters.algorithm.gradient)
-    )
+    error = response_map(image, parameters) - inside(float_model.response_map(image, parameters.algorithm))
     assert error.min() >= -2 - 1e-6  # four times 20 + 6 bits, squared, no longer fit a float64
     assert error.max() < 3 + 1e-6
 
@@ -174,7 +176,7 @@ class Pair:
 @cache
 def both_models(name: str, profile_name: str) -> Pair:
     photo, parameters = photograph(name), Parameters.profile(profile_name, **PLAIN)
-    exact = float_model.response_map(photo, parameters.algorithm.gradient)
+    exact = float_model.response_map(photo, parameters.algorithm)
     dref = max(int(np.nanmax(exact)), SETTINGS.floor)
     t1, _ = thresholds(SETTINGS, dref, parameters)
     found = np.zeros(photo.shape, dtype=bool)
@@ -189,7 +191,7 @@ def both_models(name: str, profile_name: str) -> Pair:
         detect(photo, parameters, SETTINGS, reference=dref),
         reference_detect(photo, parameters, SETTINGS, reference=dref),
         found,
-        float_model.corner_map(exact, SETTINGS.sigma1 * dref, parameters.algorithm.ties),
+        float_model.corner_map(exact, SETTINGS.sigma1 * dref, parameters.algorithm),
     )
 
 
@@ -254,9 +256,9 @@ def test_nearly_all_corners_of_all_photographs_agree(profile_name: str) -> None:
 @pytest.mark.parametrize("patches", ["regions", "pixels"])
 def test_texturization_is_within_rounding(camera: NDArray[np.uint8], patches: Any) -> None:
     parameters = Parameters.profile("paper", patches=patches)
-    exact = float_model.response_map(camera, parameters.algorithm.gradient)
+    exact = float_model.response_map(camera, parameters.algorithm)
     golden_map = response_map(camera, parameters)
-    for y, x in np.argwhere(float_model.corner_map(exact, 500.0, "strict")).tolist():
+    for y, x in np.argwhere(float_model.corner_map(exact, 500.0, ABSOLUTE)).tolist():
         window = golden_map[y - 7 : y + 2, x - 7 : x + 2]
         tau = int(texturization(window, patches)) / parameters.pixels_per_region
         # eight differences of regions, each off by less than the spread

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from golden import decode, detect
 from golden.algorithm import PROFILES
-from golden.formats import MARGIN
 from golden.frame import Frame, History, response_map
 from golden.parameters import Parameters
 from golden.settings import Settings
@@ -43,9 +42,10 @@ def test_candidates_are_maxima(image: NDArray[np.uint8], profile: str) -> None:
     frame = Frame(image, Parameters.profile(profile), SETTINGS)
     _, limits = frame.own_thresholds()
     candidates = frame.candidates(limits)
-    places = np.stack([candidates.y, candidates.x], axis=1) - MARGIN
+    margin = frame.parameters.algorithm.margin
+    places = np.stack([candidates.y, candidates.x], axis=1) - margin
     assert np.argwhere(frame.maxima(limits.t1)).tolist() == places.tolist()
-    assert frame.maxima(0).shape == (image.shape[0] - 2 * MARGIN, image.shape[1] - 2 * MARGIN)
+    assert frame.maxima(0).shape == (image.shape[0] - 2 * margin, image.shape[1] - 2 * margin)
     assert frame.maximum > limits.t1
 
 
@@ -55,8 +55,8 @@ def test_pixels_that_came_decide_the_first_records(image: NDArray[np.uint8], pro
     frame = Frame(image, Parameters.profile(profile), SETTINGS)
     _, limits = frame.own_thresholds()
     x, y, *_ = frame.candidates(limits)
-    records, width = frame.records(limits), image.shape[1]
-    for k, last in enumerate(((y + MARGIN) * width + x + MARGIN).tolist()):
+    records, width, margin = frame.records(limits), image.shape[1], frame.parameters.algorithm.margin
+    for k, last in enumerate(((y + margin) * width + x + margin).tolist()):
         white = image.copy()
         white.ravel()[last + 1 :] = 255
         cut = Frame(white, frame.parameters, SETTINGS)

@@ -24,12 +24,13 @@ RANGES = {
     "max_height": (15, 8192),
 }
 CHOICES = {
+    "pixel_filter": ("none", "binomial", "twice"),
     "gradient": ("absolute", "signed"),
     "derivative": ("central", "sobel"),
     "response_filter": ("none", "binomial"),
     "ties": ("strict", "first"),
     "fit": ("nine", "six", "printed", "gradient"),
-    "texture": ("patches", "mean"),
+    "texture": ("patches", "mean", "none"),
     "patches": ("regions", "pixels"),
 }
 

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from golden import Corners, Parameters, Settings, StreamModel, detect
 from golden.convolution import smooth
-from golden.frame import RESPONSE_MARGIN, Frame, response_map
+from golden.frame import Frame, response_map
 from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.output_constructor import Flag
+from golden.pixel_filter import pixel_filter
 from golden.preprocessing import gradients, products
 from golden.subpixel import FITS
 from tests.support.offsets import bounds, offset_bounds
@@ -64,13 +65,13 @@ class Found(NamedTuple):
 def find(image: Image, parameters: Parameters) -> Found:
     corners = detect(image, parameters, EVERYTHING)
     frame = Frame(image, parameters, EVERYTHING)
-    # the outermost rows and columns of the map have no whole window around them
     rows, columns = np.nonzero(frame.maxima(0))
-    y, x = rows + 3, columns + 3
-    pixels = Corners(x + RESPONSE_MARGIN + 1.0, y + RESPONSE_MARGIN + 1.0, corners.response, corners.flags)
+    y, x = rows + parameters.algorithm.margin, columns + parameters.algorithm.margin
+    pixels = Corners(x + 0.0, y + 0.0, corners.response, corners.flags)
     assert len(pixels.x) == len(corners)
     if parameters.algorithm.fit == "gradient":
-        windows = sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))[y, x]
+        around = parameters.algorithm.pixel_passes + PIXEL_SIZE // 2
+        windows = sliding_window_view(frame.pixels, (PIXEL_SIZE, PIXEL_SIZE))[y - around, x - around]
         return Found(corners, pixels, offset_bounds(normal_equations(windows), parameters))
     around = parameters.algorithm.suppression - 1
     patches = sliding_window_view(frame.peaks, (3, 3))[rows + around, columns + around]
@@ -133,12 +134,13 @@ def test_image_without_gradients_across_has_no_corner(
 
 
 @given(images(max_side=60), detectors(), st.data())
-def test_cropping_changes_nothing_further_than_seven_pixels_away(
+def test_cropping_changes_nothing_further_than_the_margin_away(
     image: Image, parameters: Parameters, data: st.DataObject
 ) -> None:
     height, width = image.shape
-    top, left = data.draw(st.integers(0, height - 15)), data.draw(st.integers(0, width - 15))
-    bottom, right = data.draw(st.integers(top + 15, height)), data.draw(st.integers(left + 15, width))
+    least, margin = parameters.algorithm.support, parameters.algorithm.margin
+    top, left = data.draw(st.integers(0, height - least)), data.draw(st.integers(0, width - least))
+    bottom, right = data.draw(st.integers(top + least, height)), data.draw(st.integers(left + least, width))
     whole = detect(image, parameters, CONSTANT)
     crop = detect(image[top:bottom, left:right], parameters, CONSTANT)
 
@@ -146,8 +148,8 @@ def test_cropping_changes_nothing_further_than_seven_pixels_away(
     whole_rows = rows(whole)
     # two peaks may lead to one place, and be equal in all else
     assert Counter(crop_rows) <= Counter(whole_rows)
-    # a corner strictly inside this rectangle is centred 7 pixels or more from every new edge
-    reach = 6 + FITS[parameters.algorithm.fit].limit / 128
+    # a corner strictly inside this rectangle is centred `margin` or more from every new edge
+    reach = margin - 1 + FITS[parameters.algorithm.fit].limit / 128
     expected = [
         row
         for row in whole_rows
@@ -158,15 +160,16 @@ def test_cropping_changes_nothing_further_than_seven_pixels_away(
 
 @given(images(), detectors())
 def test_response_is_between_zero_and_the_trace(image: Image, parameters: Parameters) -> None:
+    pixels = pixel_filter(image, parameters.algorithm.pixel_passes)
     a, b, _ = (
         smooth(product)
         for product in products(
-            *gradients(image, parameters.algorithm.derivative), parameters.algorithm.gradient
+            *gradients(pixels, parameters.algorithm.derivative), parameters.algorithm.gradient
         )
     )
     responses = response_map(image, parameters)
     assert (responses >= 0).all() and (responses <= a + b).all()
-    assert responses.shape == tuple(side - 2 * RESPONSE_MARGIN for side in image.shape)
+    assert responses.shape == tuple(side - 2 * parameters.algorithm.response_margin for side in image.shape)
 
 
 @given(images(), detectors())

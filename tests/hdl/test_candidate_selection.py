@@ -12,7 +12,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.sim import Simulator
 
-from golden.formats import BUDGET_BITS, MARGIN
+from golden.formats import BUDGET_BITS
 from golden.parameters import Parameters
 from hdl.build import Build
 from hdl.candidate_selection import INSIDE, CandidateSelection, pending_record_layout
@@ -34,6 +34,7 @@ from tests.support.blocks import (
 )
 
 PARAMETERS = Build.profile("paper")
+MARGIN = PARAMETERS.algorithm.margin
 FULL = PARAMETERS.response_max
 SURFACE = derivatives_layout(PARAMETERS)
 CENTRE = data.StructLayout(

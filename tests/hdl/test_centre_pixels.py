@@ -11,8 +11,9 @@ from amaranth.hdl import Module, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from golden import PROFILES
 from golden.convolution import smooth
-from golden.frame import RESPONSE_MARGIN, response_map
+from golden.frame import response_map
 from golden.preprocessing import gradients, products
 from hdl.build import Build
 from hdl.centre_pixels import COLUMNS_BACK, CentrePixels
@@ -67,6 +68,6 @@ def test_pixels_keep_step_with_products(name: EngineName, stalls: Stalls) -> Non
 
 
 def test_the_centre_is_as_far_back_as_the_responses_margin() -> None:
-    assert COLUMNS_BACK == RESPONSE_MARGIN
+    assert COLUMNS_BACK == PROFILES["paper"].response_margin
     image = np.zeros((15, 15), np.uint8)
     assert response_map(image, Build.profile("paper")).shape == (15 - 2 * COLUMNS_BACK,) * 2

@@ -9,7 +9,6 @@ import pytest
 from amaranth.back import rtlil
 
 from golden import Parameters
-from golden.formats import SUPPORT, WINDOW_SIZE
 from hdl.adaptive_threshold import AdaptiveThreshold
 from hdl.build import Build
 from hdl.centre_rows import CentreRows
@@ -38,7 +37,9 @@ def test_what_moves_in_step_is_equally_long(parameters: Parameters) -> None:
 @pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
 def test_thresholds_are_there_before_the_first_column(parameters: Parameters) -> None:
     """The smallest frame's rows lose two columns to the gradients and four to smoothing."""
-    assert Thresholds(parameters).clocks < (WINDOW_SIZE - 1) * (SUPPORT - 6)
+    algorithm = parameters.algorithm
+    columns = algorithm.support - 2 * algorithm.response_margin
+    assert Thresholds(parameters).clocks < (algorithm.window_size - 1) * columns
 
 
 def test_the_printed_fit_exists_in_the_golden_model_only() -> None:

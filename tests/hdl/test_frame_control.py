@@ -11,7 +11,6 @@ from amaranth.sim import Simulator
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.formats import SUPPORT
 from golden.parameters import Parameters
 from hdl.build import Build
 from hdl.frame_control import FrameControl
@@ -29,10 +28,8 @@ Levels = list[tuple[int, dict[str, int]]]
 
 def clamped(size: Size, parameters: Parameters) -> Size:
     height, width = size
-    return (
-        min(max(height, SUPPORT), parameters.max_height),
-        min(max(width, SUPPORT), parameters.max_width),
-    )
+    least = parameters.algorithm.support
+    return min(max(height, least), parameters.max_height), min(max(width, least), parameters.max_width)
 
 
 def check(

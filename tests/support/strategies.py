@@ -14,6 +14,8 @@ from golden import Parameters
 from hdl.build import Build
 
 Image = NDArray[np.unsignedinteger[Any]]
+SMALLEST = 19
+"""The largest support of any detector."""
 Painter = Callable[[np.random.Generator, int, int], NDArray[np.float64]]
 
 
@@ -51,13 +53,13 @@ _PAINTERS: tuple[Painter, ...] = (_noise, _blocks, _wedges, _sparse, _symmetric)
 
 @st.composite
 def images(draw: st.DrawFn, pixel_bits: int = 8, max_side: int = 40) -> Image:
-    """Images from 15x15 up: noise, blocks, wedges, dots of every contrast, or single pixels."""
+    """Images from 19x19 up: noise, blocks, wedges, dots of every contrast, or single pixels."""
     dtype = np.uint8 if pixel_bits <= 8 else np.uint16
     top = (1 << pixel_bits) - 1
     if draw(st.integers(0, 5)) == 0:
-        shape = (draw(st.integers(15, 18)), draw(st.integers(15, 18)))
+        shape = (draw(st.integers(SMALLEST, 22)), draw(st.integers(SMALLEST, 22)))
         return draw(arrays(dtype, shape, elements=st.integers(0, top), fill=st.just(0)))
-    height, width = draw(st.integers(15, max_side)), draw(st.integers(15, max_side))
+    height, width = draw(st.integers(SMALLEST, max_side)), draw(st.integers(SMALLEST, max_side))
     painter = draw(st.sampled_from(_PAINTERS))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     contrast = draw(st.sampled_from((1, 3, top // 4, top)))
@@ -68,12 +70,13 @@ def images(draw: st.DrawFn, pixel_bits: int = 8, max_side: int = 40) -> Image:
 def detectors(**fixed: Any) -> st.SearchStrategy[Parameters]:
     """Parameters of every kind that hardware can have; ``fixed`` fields keep their value."""
     fields: dict[str, st.SearchStrategy[Any]] = {
+        "pixel_filter": st.sampled_from(("none", "binomial", "twice")),
         "gradient": st.sampled_from(("absolute", "signed")),
         "derivative": st.sampled_from(("central", "sobel")),
         "response_filter": st.sampled_from(("none", "binomial")),
         "ties": st.sampled_from(("strict", "first")),
         "fit": st.sampled_from(("nine", "six", "gradient")),
-        "texture": st.sampled_from(("patches", "mean")),
+        "texture": st.sampled_from(("patches", "mean", "none")),
         "patches": st.sampled_from(("regions", "pixels")),
         "suppression": st.sampled_from((1, 1, 2, 3, 4)),
     }

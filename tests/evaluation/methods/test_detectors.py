@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from evaluation.methods.detectors import (
+    MARGIN,
     MODES,
     PAPER,
     USUAL,
@@ -20,7 +21,6 @@ from evaluation.methods.detectors import (
     modes_of,
 )
 from golden import PROFILES, Parameters, Settings, detect
-from golden.formats import MARGIN
 from tests.support import profiles
 
 ALL = detectors(profiles.ALL)

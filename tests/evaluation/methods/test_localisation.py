@@ -12,7 +12,7 @@ from evaluation.inputs.scenes import scene
 from evaluation.methods.localisation import INTEGER, OPENCV, corner_sub_pix, methods, place
 from golden import PROFILES, Parameters, Settings, detect
 from golden.algorithm import Fit
-from golden.frame import RESPONSE_MARGIN, response_map
+from golden.frame import response_map
 
 SETTINGS = Settings(sigma1=0.02)
 
@@ -43,11 +43,12 @@ def test_a_mark_where_no_corner_can_be_changes_nothing(profile: str, camera: NDA
 
 def test_whole_pixels_are_local_maxima(camera: NDArray[np.uint8]) -> None:
     """A plain search: the largest of nine, in raster order, at most half a pixel from the fit."""
-    found = place(camera, Parameters.profile("paper"), SETTINGS)
+    parameters = Parameters.profile("paper")
+    found = place(camera, parameters, SETTINGS)
     pixels = found.positions[INTEGER]
     assert np.array_equal(pixels, np.rint(pixels))
-    responses = response_map(camera, Parameters.profile("paper"))
-    for x, y in pixels.astype(int) - RESPONSE_MARGIN:
+    responses = response_map(camera, parameters)
+    for x, y in pixels.astype(int) - parameters.algorithm.response_margin:
         patch = responses[y - 1 : y + 2, x - 1 : x + 2].copy()
         centre, patch[1, 1] = patch[1, 1], -1
         assert centre > patch.max()

@@ -10,12 +10,13 @@ import pytest
 from PIL import Image
 
 from evaluation.sections.limits import PICTURE, board, on_board, picture, wander
-from golden import Parameters, Settings, detect
+from golden import PROFILES, Parameters, Settings, detect
 from golden.algorithm import Fit
-from golden.formats import MARGIN
 from golden.frame import response_map
 from golden.subpixel import FITS
 from tests.support.photographs import PHOTOGRAPHS, photograph
+
+MARGIN = PROFILES["robust"].margin
 
 PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "limits.md").read_text(encoding="utf-8")
 TEXT = " ".join(PAGE.split())

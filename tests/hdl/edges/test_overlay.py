@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from golden import Parameters, Settings
-from golden.formats import MARGIN, SUPPORT
 from golden.preprocessing import Image
 from golden.thresholds import thresholds
 from golden.video import VideoSettings, framed
@@ -26,6 +25,8 @@ from tests.support.malformed import random_video
 from tests.support.photographs import photograph
 
 MAX_WIDTH, MAX_HEIGHT = 150, 40
+MARGIN, SUPPORT = 7, 15
+"""Of all builds here."""
 BUILDS = {
     "banked": Build.profile("paper", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
     "lean": Build.profile("robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),

@@ -70,7 +70,7 @@ RECORDS = {
     ),
     "a second frame begins where the first one ended": Mutation(
         "hdl/candidate_selection.py",
-        "m.d.sync += y.eq(MARGIN)",
+        "m.d.sync += y.eq(margin)",
         "m.d.sync += y.eq(y + 1)",
         "tests/hdl/test_candidate_selection.py",
         "frames and amaranth",
