@@ -19,17 +19,23 @@ from flow.verilog import MODULE
 from golden import PROFILES, Parameters, Settings
 from golden.algorithm import DEFAULT_PROFILE, Algorithm, Fit
 from golden.checks import check_integer
-from golden.formats import BUDGET_SETTINGS
+from golden.formats import BUDGET_SETTINGS, MAX_CELL, MAX_PER_CELL, MIN_CELL
 from golden.options import Option, options
 from hdl.build import Build
 from hdl.edges import Interface, check_core
 from hdl.identifiers import check_name
 
 _EDGES = ("video_out", "autostart")
-_HARDWARE = ("budget", *(name for name in options(Build) if name not in (*options(Parameters), *_EDGES)))
+_BUILT = ("budget", "max_per_cell", "min_cell_width")
+"""Fields of ``Parameters`` that change no corner: settings ask for what they build."""
+_HARDWARE = (*_BUILT, *(name for name in options(Build) if name not in (*options(Parameters), *_EDGES)))
 _DETECTOR = (*options(Algorithm), *options(Build))
-_THRESHOLDS = tuple(name for name in options(Settings) if name != "report_rejected")
-"""Fields of ``Settings`` that have an option: the commands always report what is rejected."""
+_CELL = ("cell_width", "cell_height")
+_THRESHOLDS = tuple(name for name in options(Settings) if name not in ("report_rejected", *_CELL))
+"""Fields of ``Settings`` that have an option of their own name.
+
+The commands report what is rejected, unless cells choose.
+"""
 _SCALED = ("constant", "floor")
 """Fields of ``Settings`` whose default follows the pixel bits."""
 
@@ -88,6 +94,8 @@ def _setting(name: str) -> Callable[[Command], Command]:
     each = options(Settings)[name]
     if name in BUDGET_SETTINGS:
         each = replace(each, help=f"{each.help} Implies --budget.")
+    if name == "per_cell":
+        each = replace(each, help=f"{each.help} Implies --max-per-cell.")
     if name in _SCALED:
         note = f"{each.help}  [default: {each.default} with 8-bit pixels, 4 times that per further bit]"
         return _from_field(THRESHOLDS, replace(each, help=note))
@@ -110,14 +118,37 @@ profiles_option = option(
     **{**_PROFILE, "help": f"{_PROFILE['help']} May be given again, to see both."},
 )
 _algorithm = options_of_fields(ALGORITHM, Algorithm, options(Algorithm), by_default=False)
-_frame = options_of_fields(FRAME, Parameters, (name for name in options(Parameters) if name != "budget"))
+_frame = options_of_fields(FRAME, Parameters, (name for name in options(Parameters) if name not in _BUILT))
 
 model_options = together(_algorithm, _frame)
 """What the corners depend on, apart from the profile, and how large an image may be."""
 hardware_options = options_of_fields(HARDWARE, Build, _HARDWARE, by_default=False)
 """What changes the hardware, but no corner."""
 edge_options = options_of_fields(HARDWARE, Build, _EDGES)
-threshold_options = together(*map(_setting, _THRESHOLDS))
+
+
+class _CellSize(click.ParamType):
+    """The size of a cell, as ``64x48``."""
+
+    name = "cell"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        sides = str(value).split("x")
+        if len(sides) != 2 or not all(side.isdecimal() for side in sides):
+            self.fail(f"{value!r} is no size of a cell; allowed: width and height, such as 64x48", param, ctx)
+        return "x".join(str(int(side)) for side in sides)
+
+
+_cell_option = option(
+    THRESHOLDS,
+    "--cell",
+    type=_CellSize(),
+    metavar="WxH",
+    default="x".join(str(options(Settings)[field].default) for field in _CELL),
+    show_default=True,
+    help=f"Width and height of a cell in pixels, {MIN_CELL} to {MAX_CELL} each.",
+)
+threshold_options = together(*map(_setting, _THRESHOLDS[:-1]), _cell_option, _setting(_THRESHOLDS[-1]))
 
 normalize_option = option(
     FRAME,
@@ -248,6 +279,8 @@ def _changes(options: dict[str, Any]) -> dict[str, Any]:
     changes = {field: value for field, value in given.items() if value is not None and value is not False}
     if any(options.get(field) for field in BUDGET_SETTINGS):
         changes["budget"] = True
+    if options.get("per_cell"):
+        changes.setdefault("max_per_cell", min(options["per_cell"], MAX_PER_CELL))
     return changes
 
 
@@ -258,13 +291,17 @@ def _refuse_idle_patches(profile: str, parameters: Parameters) -> None:
 
 
 def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
-    """The thresholds that the command line asks for; rejected corners are reported, too."""
+    """The thresholds that the command line asks for; rejected corners are reported, too.
+
+    Not so where cells choose.
+    """
     asked = {field: options[field] for field in _THRESHOLDS if options[field] is not None}
+    asked |= zip(_CELL, map(int, options["cell"].split("x")), strict=True)
     with bad_input():
         # checked before values that no detector could have
         for field in {"constant", "floor"} & set(asked):
             check_integer(field, asked[field], 1, parameters.response_max)
-        settings = Settings.default(parameters, **asked, report_rejected=True)
+        settings = Settings.default(parameters, **asked, report_rejected=not asked["per_cell"])
         settings.check(parameters)
     constant = settings.reference == "constant"
     refuse_idle(
@@ -285,6 +322,7 @@ def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
             constant or settings.target_corners > 0,
             "with --reference previous, and without --target-corners",
         ),
+        Idle("cell", settings.per_cell == 0, "with --per-cell"),
         Idle("smoothing", settings.wanted_corners == 0, "with --target-corners or --reference-rank"),
     )
     used = settings.sigma2_used(parameters)

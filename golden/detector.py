@@ -142,7 +142,7 @@ class FrameResult(ByValue):
     maximum
         The largest D at which a corner may be, which is the next frame's reference.
     found
-        Number of corners, with those that ``max_corners`` or ``max_records`` left out.
+        Number of corners, with those that cells, ``max_corners`` or ``max_records`` left out.
     t1, t2, reference
         The thresholds and Dref.
     """
@@ -212,13 +212,13 @@ class StreamModel:
         frame = self._begin(image, settings)
         check_integer("max_records", max_records, 0, NO_LIMIT)
         reference, limits = frame.thresholds(self._history)
-        found = frame.records(limits)
-        records = frame.within_budget(found)[:max_records]
+        found = frame.corners(limits)
+        records = frame.within_budget(frame.encoded(frame.chosen(found)))[:max_records]
         end = encode_frame_end(FrameEnd(len(records), self.frame, frame.maximum))
         self._history = frame.next_history(limits, self._history)
         self.frame += 1
         words = np.append(records, np.uint64(end))
-        return FrameResult(words, decode(records), frame.maximum, len(found), *limits, reference)
+        return FrameResult(words, decode(records), frame.maximum, len(found.x), *limits, reference)
 
     def cut(
         self, image: NDArray[np.unsignedinteger[Any]], settings: Settings | None = None, *, pixels: int

@@ -196,6 +196,17 @@ def gradient_step(pixels: NDArray[Any]) -> tuple[float, float, Flag]:
     return float(np.clip(dx, -4, 4)), float(np.clip(dy, -4, 4)), flag
 
 
+def strongest_of_cells(
+    corners: list[tuple[float, float, float, int]], cells: list[tuple[int, int]], most: int
+) -> list[tuple[float, float, float, int]]:
+    """Of the corners in each cell, so many with the largest response, cell by cell."""
+    inside: dict[tuple[int, int], list[tuple[float, float, float, int]]] = {}
+    for corner, cell in zip(corners, cells, strict=True):
+        inside.setdefault(cell, []).append(corner)
+    strongest_first = (sorted(inside[cell], key=lambda corner: -corner[2]) for cell in sorted(inside))
+    return [corner for each in strongest_first for corner in each[:most]]
+
+
 def reference_detect(
     image: NDArray[np.unsignedinteger[Any]],
     parameters: Parameters | None = None,
@@ -253,9 +264,10 @@ def reference_detect(
     corners = corner_map(peaks, least, algorithm)
 
     found: list[tuple[float, float, float, int]] = []
+    cells: list[tuple[int, int]] = []
     for y, x in np.argwhere(corners & (peaks > t1)).tolist():
         value, accepted = judge(y, x, t1)
-        if not accepted and not settings.report_rejected:
+        if not accepted and not settings.rejected_too:
             continue
         if algorithm.fit == "gradient":
             dx, dy, flag = gradient_step(pixels[y - 4 : y + 5, x - 4 : x + 5])
@@ -263,6 +275,9 @@ def reference_detect(
             coefficients = surface(peaks[y - 1 : y + 2, x - 1 : x + 2], algorithm.fit)
             dx, dy, flag = peak(coefficients, printed=algorithm.fit == "printed")
         found.append((x + dx, y + dy, max(value, 0), flag | (Flag(0) if accepted else Flag.TEXTURED)))
+        cells.append((y // settings.cell_height, x // settings.cell_width))
+    if settings.per_cell:
+        found = strongest_of_cells(found, cells, settings.per_cell)
     ends = [end for end, (*_, flag) in enumerate(found, 1) if not flag & Flag.TEXTURED]
     if 0 < settings.max_corners <= len(ends):
         found = found[: ends[settings.max_corners - 1]]

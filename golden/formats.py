@@ -34,6 +34,15 @@ BUDGET_SETTINGS = {
 
 0 switches each of them off.
 """
+MIN_CELL, MAX_CELL = 8, 128
+"""Sides of a cell in pixels, ``Settings.cell_width`` and ``cell_height``."""
+MAX_PER_CELL = 16
+"""Most corners of a cell that any detector chooses."""
+CELL_SETTINGS = {
+    **dict.fromkeys(("cell_width", "cell_height"), MAX_CELL.bit_length()),
+    "per_cell": MAX_PER_CELL.bit_length(),
+}
+"""Fields of ``Settings`` that only a detector built with ``max_per_cell`` has, and their widths."""
 MAX_SIDE = 1 << (COORDINATE_BITS - OFFSET_BITS)
 """Largest width and height of a frame: positions fit a record."""
 MIN_PIXEL_BITS, MAX_PIXEL_BITS = 4, 10

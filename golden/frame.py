@@ -6,9 +6,10 @@
 3. Reference: Dref, the largest response of the frame before, or what the settings ask for.
 4. Thresholds: T1 and T2, fractions of Dref.
 5. Corners: the maxima above T1 (Eqs. 3-5), and which of them the texture filter accepts (Eqs. 6-9).
-6. Subpixel: the offset of each corner from its pixel (Eqs. 10-13).
-7. Records: 64 bits for each corner (Eqs. 14-17), no more than the budget allows.
-8. History: what the reference and the thresholds of the next frame depend on.
+6. Cells: the strongest corners of each, where the settings ask for that.
+7. Subpixel: the offset of each corner from its pixel (Eqs. 10-13).
+8. Records: 64 bits for each corner (Eqs. 14-17), no more than the budget allows.
+9. History: what the reference and the thresholds of the next frame depend on.
 
 ``golden.detector`` takes these steps for a single image and for a stream of frames;
 ``golden.video`` builds on that stream.
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 
 from golden.adaptation import adapted_threshold, histogram, smoothed
 from golden.algorithm import FIT_REACH, RESPONSE_FILTER_REACH
+from golden.cell_selection import last_row, strongest
 from golden.convolution import smooth
 from golden.corner_detection import corner_detection
 from golden.output_constructor import Records, decode, encode
@@ -62,9 +64,9 @@ class Candidates(NamedTuple):
     accepted: NDArray[np.bool_]
     """True where the texture filter accepts the corner."""
 
-    def where(self, mask: NDArray[np.bool_]) -> Candidates:
-        """The candidates at which the (n,) mask is true."""
-        return Candidates(self.x[mask], self.y[mask], self.response[mask], self.accepted[mask])
+    def where(self, which: NDArray[np.bool_] | NDArray[np.intp]) -> Candidates:
+        """The candidates at which the (n,) mask is true, or those with these indices."""
+        return Candidates(self.x[which], self.y[which], self.response[which], self.accepted[which])
 
 
 class Frame:
@@ -133,29 +135,53 @@ class Frame:
         accepted, values = judge(values, windows, limits, algorithm.patches)
         return Candidates(columns + algorithm.margin, rows + algorithm.margin, values, accepted)
 
-    def records(self, limits: Thresholds, *, pixels: int | None = None) -> Records:
-        """(n,) records of the corners in raster order, before :meth:`within_budget`.
+    def corners(self, limits: Thresholds, *, pixels: int | None = None) -> Candidates:
+        """The candidates that are reported, unless cells or the budget leave them out.
 
         Parameters
         ----------
         pixels
-            Number of pixels of the frame that have come, in raster order: only the corners whose
-            whole support lies in them have records. None: all pixels.
+            Number of pixels of the frame that have come, in raster order: only the corners that
+            these decide. A corner is decided by its support or, where cells choose, by that of the
+            last corner that its row of cells could have. None: all pixels.
         """
-        algorithm = self.parameters.algorithm
-        corners, margin = self.candidates(limits), algorithm.margin
+        corners = self.candidates(limits)
         if pixels is not None:
-            last = (corners.y + margin) * self.image.shape[1] + corners.x + margin
-            corners = corners.where(last < pixels)
-        if not self.settings.report_rejected:
-            corners = corners.where(corners.accepted)
-        before = margin - algorithm.suppression
+            corners = corners.where(self._last_pixel(corners) < pixels)
+        return corners if self.settings.rejected_too else corners.where(corners.accepted)
+
+    def _last_pixel(self, corners: Candidates) -> NDArray[np.int64]:
+        """Number of the pixel that decides about each corner."""
+        margin = self.parameters.algorithm.margin
+        height, width = self.image.shape
+        if not self.settings.per_cell:
+            return (corners.y + margin) * width + corners.x + margin
+        last = np.minimum(last_row(corners.y, self.settings), height - 1 - margin)
+        return (last + margin) * width + width - 1
+
+    def chosen(self, corners: Candidates) -> Candidates:
+        """The corners that the cells choose, cell by cell; all of them where cells do not."""
+        if not self.settings.per_cell:
+            return corners
+        return corners.where(strongest(corners.x, corners.y, corners.response, self.settings))
+
+    def encoded(self, corners: Candidates) -> Records:
+        """(n,) records of these corners, in their order."""
+        algorithm = self.parameters.algorithm
+        before = algorithm.margin - algorithm.suppression
         samples = _around(self.peaks, 3, corners.y - before, corners.x - before)
         before = algorithm.pixel_passes
         size = 2 * FIT_REACH[algorithm.fit] + 1
         pixel_windows = _around(self.pixels, size, corners.y - before, corners.x - before)
         offset = subpixel(samples, self.parameters, pixel_windows)
         return encode(corners.x, corners.y, corners.response, offset, ~corners.accepted)
+
+    def records(self, limits: Thresholds, *, pixels: int | None = None) -> Records:
+        """(n,) records of the chosen :meth:`corners`, before :meth:`within_budget`.
+
+        They are in raster order; where cells choose, in the order of ``golden.cell_selection``.
+        """
+        return self.encoded(self.chosen(self.corners(limits, pixels=pixels)))
 
     def within_budget(self, records: Records) -> Records:
         """The records up to the last accepted corner that ``max_corners`` allows."""

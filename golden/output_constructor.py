@@ -20,7 +20,7 @@ that closes every frame, also a frame without corners:
 ======  ==========================================================================
 bits    end-of-frame record
 ======  ==========================================================================
-23:0    number of corner records in the frame (without those that
+23:0    number of corner records in the frame (without those that cells or
         ``Settings.max_corners`` left out)
 39:24   frame number since reset, modulo 65536
 60:40   largest D of the pixels at which a corner may be: the next frame's

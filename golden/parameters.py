@@ -10,7 +10,7 @@ from typing import Any, Self
 
 from golden.algorithm import DEFAULT_PROFILE, PROFILES, Algorithm
 from golden.checks import check_type, plain_integer
-from golden.formats import MAX_PIXEL_BITS, MAX_SIDE, MIN_PIXEL_BITS
+from golden.formats import MAX_CELL, MAX_PER_CELL, MAX_PIXEL_BITS, MAX_SIDE, MIN_CELL, MIN_PIXEL_BITS
 from golden.options import check_options, option, options
 from golden.responses import response_function
 
@@ -35,6 +35,12 @@ class Parameters:
     budget
         Build what the settings ``max_corners``, ``target_corners``, ``reference_rank`` and
         ``smoothing`` need.
+    max_per_cell
+        Build what the settings ``cell_width``, ``cell_height`` and ``per_cell`` need, for a
+        ``per_cell`` of up to 16. 0: not built.
+    min_cell_width
+        Least ``cell_width``, 8 to 128. The block RAM in which the corners of a row of cells wait
+        holds twice ``max_per_cell`` records for each cell of that width.
 
     Raises
     ------
@@ -66,6 +72,18 @@ class Parameters:
     )
     budget: bool = option(
         False, "Build what the settings max_corners, target_corners, reference_rank and smoothing need."
+    )
+    max_per_cell: int = option(
+        0,
+        f"Build what the strongest corners of each cell need, up to so many per cell, {MAX_PER_CELL} at most; "
+        "0: not built.",
+        high=MAX_PER_CELL,
+    )
+    min_cell_width: int = option(
+        MIN_CELL,
+        f"Narrowest cell that is built for, {MIN_CELL} to {MAX_CELL}: wider cells take less block RAM.",
+        low=MIN_CELL,
+        high=MAX_CELL,
     )
 
     def __post_init__(self) -> None:
@@ -111,6 +129,11 @@ class Parameters:
         own = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "algorithm"}
         size = {name: own.pop(name) for name in ("pixel_bits", "max_width", "max_height")}
         return {**size, **{name: getattr(self.algorithm, name) for name in options(Algorithm)}, **own}
+
+    @property
+    def max_cells(self) -> int:
+        """Most cells of a row, the last of which may be a part of one."""
+        return -(-self.max_width // self.min_cell_width)
 
     @property
     def pixel_max(self) -> int:

@@ -9,9 +9,13 @@ from golden.checks import check_integer, check_type
 from golden.formats import (
     BUDGET_BITS,
     BUDGET_SETTINGS,
+    CELL_SETTINGS,
+    MAX_CELL,
+    MAX_PER_CELL,
     MAX_PIXEL_BITS,
     MEAN_WEIGHT_BITS,
     MEAN_WEIGHT_FRACTION_BITS,
+    MIN_CELL,
     SIGMA2_INTEGER_BITS,
     SIGMA_BITS,
     SMOOTHING_BITS,
@@ -55,15 +59,16 @@ class Settings:
         would become corners.
     report_rejected
         Also report the corners that the texture filter rejects, flagged ``TEXTURED``. With
-        ``texture="none"`` it changes nothing.
+        ``texture="none"`` it changes nothing. Where cells choose, none is reported.
     max_corners
         Largest number of accepted corners in a frame: the first ones in raster order. Rejected
-        corners do not count, and none is reported after the last accepted one. 0: no limit. It is
-        only built with ``budget``.
+        corners do not count, and none is reported after the last accepted one. Where cells choose,
+        it comes last: the first ones in the order of the cells. 0: no limit. It is only built with
+        ``budget``.
     target_corners
         Number of accepted corners per frame to aim at: T1 becomes the value that would have left so
-        many corners of the previous frame, but no less than sigma1 · floor; see
-        ``golden.adaptation``. 0: T1 as above. It is only built with ``budget``.
+        many corners of the previous frame, before cells choose, but no less than sigma1 · floor;
+        see ``golden.adaptation``. 0: T1 as above. It is only built with ``budget``.
     reference_rank
         Dref is the D that so many corners of the previous frame exceed, in place of its largest: a
         few bright pixels then do not decide about all others. Where a frame has fewer corners, Dref
@@ -72,6 +77,11 @@ class Settings:
     smoothing
         What a target or a rank asks for moves by 1/2**smoothing of the way from frame to frame, 0
         to 3: for lamps that flicker. It is only built with ``budget``.
+    cell_width, cell_height
+        Size of a cell in pixels, 8 to 128 each; see ``golden.cell_selection``.
+    per_cell
+        Report only so many corners of each cell, the strongest. 0: cells choose nothing. It is at
+        most ``max_per_cell`` of the detector.
 
     Raises
     ------
@@ -117,6 +127,13 @@ class Settings:
         "What a target or a rank asks for moves by 1/2**smoothing of the way from frame to frame, 0 to 3.",
         high=(1 << SMOOTHING_BITS) - 1,
     )
+    cell_width: int = option(64, "Width of a cell in pixels.", low=MIN_CELL, high=MAX_CELL)
+    cell_height: int = option(64, "Height of a cell in pixels.", low=MIN_CELL, high=MAX_CELL)
+    per_cell: int = option(
+        0,
+        "Report only the strongest corners of each cell, so many at most; 0: all.",
+        high=MAX_PER_CELL,
+    )
 
     def __post_init__(self) -> None:
         check_options(self)
@@ -136,7 +153,7 @@ class Settings:
         """Raise ``ValueError`` if this detector cannot have these settings.
 
         ``constant`` or ``floor`` exceed its D, sigma2 is not one of its adaptive threshold's, or
-        it is built without the budget that is asked for.
+        it is built without the budget or the cells that are asked for.
         """
         check_type("parameters", parameters, Parameters)
         for field in ("constant", "floor"):
@@ -156,6 +173,16 @@ class Settings:
                 raise ValueError(
                     f"{field} is {value!r}; allowed: 0, since the detector is built without budget"
                 )
+        if self.per_cell:
+            self._check_cells(parameters)
+
+    def _check_cells(self, parameters: Parameters) -> None:
+        if not parameters.max_per_cell:
+            raise ValueError(
+                f"per_cell is {self.per_cell!r}; allowed: 0, since the detector is built without max_per_cell"
+            )
+        check_integer("per_cell", self.per_cell, 0, parameters.max_per_cell)
+        check_integer("cell_width", self.cell_width, parameters.min_cell_width, MAX_CELL)
 
     def fixed(self, parameters: Parameters) -> dict[str, int]:
         """The settings as the hardware takes them: whole numbers by the names of its inputs."""
@@ -167,7 +194,13 @@ class Settings:
             "floor": self.floor,
             "report_rejected": int(self.report_rejected),
             **({field: getattr(self, field) for field in BUDGET_SETTINGS} if parameters.budget else {}),
+            **({field: getattr(self, field) for field in CELL_SETTINGS} if parameters.max_per_cell else {}),
         }
+
+    @property
+    def rejected_too(self) -> bool:
+        """Are the corners reported that the texture filter rejects? Never where cells choose."""
+        return self.report_rejected and not self.per_cell
 
     @property
     def by_rank(self) -> bool:

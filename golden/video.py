@@ -58,11 +58,11 @@ class Event(IntFlag):
     EOL_MISSING = 1 << 7
     """A whole further line's pixels came without an end of line; they were dropped."""
     RECORDS_DROPPED = 1 << 8
-    """A frame had more corners than ``max_records`` or ``Settings.max_corners`` allow."""
+    """A frame had more corners than cells, ``Settings.max_corners`` or ``max_records`` allow."""
     SIZE_CHANGED = 1 << 9
     """The frame size was set while a frame was under way; the old size holds for that frame."""
     SIZE_REFUSED = 1 << 10
-    """A frame size out of range, or only a part of one, was written; the old size stays."""
+    """A size of frame or cells out of range, or a part of one, was written; the old one stays."""
     INPUT_IDLE = 1 << 11
     """No pixel has come for too long in the middle of a frame."""
     OUTPUT_STALLED = 1 << 12
@@ -171,7 +171,7 @@ class VideoModel:
         What has happened since reset, except for what depends on time or on writes of registers:
         ``SIZE_CHANGED`` and all events after it.
     dropped_records
-        Number of corners since reset that ``max_records`` or ``max_corners`` left out.
+        Number of corners since reset that cells, ``max_corners`` or ``max_records`` left out.
     """
 
     def __init__(self, parameters: Parameters) -> None:

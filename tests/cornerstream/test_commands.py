@@ -107,6 +107,29 @@ def test_a_limit_or_a_target_builds_what_it_needs(image: np.ndarray, limit: str)
     assert corners.accepted.sum() <= 3 if limit == "max_corners" else len(corners) > 0
 
 
+def test_cells_build_what_they_need(image: np.ndarray) -> None:
+    """Where they choose, what the texture filter rejects is not reported."""
+    result = run(
+        "detect",
+        "grey.png",
+        "--json",
+        "--profile",
+        "paper",
+        "--sigma1",
+        "0.01",
+        "--cell",
+        "9x8",
+        "--per-cell",
+        "1",
+    )
+    settings = Settings(sigma1=0.01, cell_width=9, cell_height=8, per_cell=1)
+    corners = detect(image, Parameters.profile("paper", max_per_cell=1), settings)
+    found = json.loads(result.stdout)
+    assert [{k: float(v) for k, v in corner.items()} for corner in found["corners"]] == as_table(corners)
+    assert len(corners) > 1 and corners.accepted.all()
+    assert found["parameters"]["max_per_cell"] == 1 and found["settings"]["report_rejected"] is False
+
+
 def test_conversion_is_said_in_a_line() -> None:
     Image.new("RGB", (20, 20), "red").save("colour.png")
     result = run("detect", "colour.png", "--json")
