@@ -1,6 +1,6 @@
 """Detectors that are compared: each gives the corners of an image, the strongest first.
 
-All of them give only corners that are as far inside the image as the largest margin of a profile.
+All of them give only corners that are as far inside the image as the largest margin there is.
 """
 
 from __future__ import annotations
@@ -13,15 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evaluation.inputs.packages import opencv
-from golden import PROFILES, Parameters, Settings, detect
+from golden import Parameters, Settings, detect
+from golden.algorithm import Algorithm
 from golden.formats import MAX_SIDE, SIGMA2_INTEGER_BITS
 
 Image = NDArray[np.uint8]
 Points = NDArray[np.float64]
 """(n, 2): x and y of corners in pixels, the first pixel's centre at (0, 0), strongest first."""
 
-MARGIN = max(algorithm.margin for algorithm in PROFILES.values())
-"""Pixels at each edge of an image in which no detector looks for corners."""
+MARGIN = Algorithm(pixel_filter="twice").margin
+"""Pixels at each edge of an image in which no detector's corners count: no algorithm has more."""
 LOWEST_SIGMA1 = 0.002
 """sigma1 for the best N corners: low enough that thousands remain on a photograph."""
 NO_FILTER = float(1 << SIGMA2_INTEGER_BITS) - 1
@@ -181,7 +182,7 @@ PLAIN_PARAMETERS = Parameters.profile("paper", gradient="signed", ties="first", 
 
 
 def detectors(profiles: dict[str, Parameters]) -> list[Detector]:
-    """Each profile with and without its filter, plain ranking by D, then OpenCV's, then chance.
+    """Plain ranking by D, each profile with and without its filter, then OpenCV's, then chance.
 
     Ranking by D is the paper's detector without a filter, but with signed gradients and the
     gradient step: everything else in a profile has to be better than this.
@@ -189,7 +190,8 @@ def detectors(profiles: dict[str, Parameters]) -> list[Detector]:
     ours: list[Detector] = [Ours(PLAIN, PLAIN_PARAMETERS, filtered=False)]
     for name, parameters in profiles.items():
         ours.append(Ours(name, parameters))
-        ours.append(Ours(name + WITHOUT, parameters, filtered=False))
+        if parameters.algorithm.texture != "none":
+            ours.append(Ours(name + WITHOUT, parameters, filtered=False))
     return [*ours, GoodFeaturesToTrack(), Fast(), Chance()]
 
 
@@ -224,8 +226,11 @@ class Mode:
     equal
         Every detector reports its strongest N. Otherwise each reports what its thresholds let pass.
     like
-        The detector whose number of corners at its thresholds is N; None: N is :func:`budget` of
-        the image.
+        The detector whose number of corners at its thresholds is N; None: N is :meth:`wanted`.
+    pixels_per_corner
+        N is that of an image with a corner for so many pixels, where ``number`` is None.
+    number
+        N of every image.
     """
 
     name: str
@@ -233,6 +238,11 @@ class Mode:
     equal: bool
     like: str | None = None
     pixels_per_corner: int = PIXELS_PER_CORNER
+    number: int | None = None
+
+    def wanted(self, image: Image) -> int:
+        """N for an image where no other detector says so."""
+        return self.number or budget(image, self.pixels_per_corner)
 
 
 MODES = (

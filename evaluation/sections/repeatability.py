@@ -79,7 +79,7 @@ def corners_of(seen: Visible, detectors: list[Detector], mode: Mode) -> dict[str
     found = {each.name: seen(each, mode.thresholds, mode.equal) for each in detectors}
     if not mode.equal:
         return found
-    wanted = [budget(seen.pair.first, mode.pixels_per_corner)] * 2
+    wanted = [mode.wanted(seen.pair.first)] * 2
     if mode.like:
         (like,) = (each for each in detectors if each.name == mode.like)
         wanted = [len(points) for points in seen(like, mode.thresholds, False)]

@@ -17,7 +17,6 @@ from evaluation.methods.detectors import (
     Detector,
     Mode,
     Points,
-    budget,
     detectors,
     modes_of,
 )
@@ -88,7 +87,7 @@ def corners_of(pair: Pair, detectors: list[Detector], mode: Mode, cache: Detecti
     found = {detector.name: ask(detector, mode.equal) for detector in detectors}
     if not mode.equal:
         return found
-    wanted = budget(pair.first, mode.pixels_per_corner)
+    wanted = mode.wanted(pair.first)
     if mode.like:
         (like,) = (each for each in detectors if each.name == mode.like)
         wanted = len(ask(like, False))

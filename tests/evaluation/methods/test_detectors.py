@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from typing import get_args
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -15,12 +18,14 @@ from evaluation.methods.detectors import (
     Chance,
     DetectionCache,
     Detector,
+    Mode,
     Ours,
     budget,
     detectors,
     modes_of,
 )
-from golden import PROFILES, Parameters, Settings, detect
+from golden import PROFILES, Corners, Parameters, Settings, detect
+from golden.algorithm import Algorithm, Fit, PixelFilter, ResponseFilter, Texture
 from tests.support import profiles
 
 ALL = detectors(profiles.ALL)
@@ -29,8 +34,8 @@ ALL = detectors(profiles.ALL)
 def test_names_differ() -> None:
     names = [detector.name for detector in ALL]
     assert len(set(names)) == len(names)
-    for name in PROFILES:
-        assert name in names and name + WITHOUT in names
+    for name, algorithm in PROFILES.items():
+        assert name in names and (name + WITHOUT in names) == (algorithm.texture != "none")
 
 
 @pytest.mark.parametrize("detector", ALL, ids=lambda detector: detector.name)
@@ -53,18 +58,40 @@ def test_the_strongest_are_those_that_a_higher_threshold_leaves(name: str, camer
     """In the hardware one raises sigma1 until so many are left; here one cuts the ranking."""
     detector = Ours(name, Parameters.profile(name))
     settings = Settings.default(detector.parameters, sigma1=0.12, sigma2=USUAL.sigma2)
-    left = detect(camera, detector.parameters, settings)
+    left = counting(detect(camera, detector.parameters, settings), camera)
     ranked = detector.ranked(camera, USUAL)[: len(left)]
     assert len(left) > 20
-    assert {tuple(point) for point in ranked} == set(zip(left.x, left.y, strict=True))
+    assert {tuple(point) for point in ranked} == left
 
 
-@pytest.mark.parametrize("name", PROFILES)
+def counting(corners: Corners, image: NDArray[np.uint8]) -> set[tuple[float, float]]:
+    """Positions that are no nearer to an edge than any algorithm's corners."""
+    height, width = image.shape
+    return {
+        (x, y)
+        for x, y in zip(corners.x, corners.y, strict=True)
+        if MARGIN <= x <= width - 1 - MARGIN and MARGIN <= y <= height - 1 - MARGIN
+    }
+
+
+def test_no_algorithm_has_a_wider_margin() -> None:
+    kinds = itertools.product(*(get_args(kind) for kind in (PixelFilter, ResponseFilter, Texture, Fit)))
+    names = ("pixel_filter", "response_filter", "texture", "fit")
+    assert MARGIN == max(Algorithm(**dict(zip(names, each, strict=True))).margin for each in kinds)
+
+
+def test_a_number_that_a_mode_gives() -> None:
+    image = np.zeros((480, 640), np.uint8)
+    assert Mode("some", USUAL, equal=True, number=100).wanted(image) == 100
+    assert Mode("some", USUAL, equal=True, pixels_per_corner=300).wanted(image) == 1024
+
+
+@pytest.mark.parametrize("name", [name for name, each in PROFILES.items() if each.texture != "none"])
 def test_without_filter_nothing_is_rejected(name: str, camera: NDArray[np.uint8]) -> None:
     parameters = Parameters.profile(name)
     plain = Ours(name, parameters, filtered=False).at(camera, USUAL)
     everything = detect(camera, parameters, Settings(sigma1=USUAL.sigma1, report_rejected=True))
-    assert len(plain) == len(everything)
+    assert len(plain) == len(counting(everything, camera))
     assert len(plain) > len(Ours(name, parameters).at(camera, USUAL))
 
 
