@@ -110,7 +110,7 @@ def test_projection() -> None:
 
 def test_inside_keeps_the_support() -> None:
     image = np.zeros((40, 50), np.uint8)
-    points = np.array([[7, 7], [6.9, 20], [42, 32], [42.1, 20], [20, 32.1]], dtype=float)
+    points = np.array([[9, 9], [8.9, 20], [40, 30], [40.1, 20], [20, 30.1]], dtype=float)
     assert inside(points, image).tolist() == [True, False, True, False, False]
 
 
