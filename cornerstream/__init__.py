@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from golden.detector import FrameResult, StreamModel, detect
     from golden.float_model import reference_detect
     from golden.frame import response_map
-    from golden.output_constructor import FrameEnd, decode, decode_frame_end
+    from golden.output_constructor import FrameEnd, decode, decode_frame_end, decode_frame_time
     from golden.parameters import Parameters
     from golden.settings import Settings
     from golden.version import VERSION as __version__
@@ -46,7 +46,7 @@ _HOMES = {
     "golden.detector": ("FrameResult", "StreamModel", "detect"),
     "golden.float_model": ("reference_detect",),
     "golden.frame": ("response_map",),
-    "golden.output_constructor": ("FrameEnd", "decode", "decode_frame_end"),
+    "golden.output_constructor": ("FrameEnd", "decode", "decode_frame_end", "decode_frame_time"),
     "golden.parameters": ("Parameters",),
     "golden.settings": ("Settings",),
     "golden.video": ("VideoModel", "VideoSettings"),
@@ -83,6 +83,7 @@ __all__ = [
     "__version__",
     "decode",
     "decode_frame_end",
+    "decode_frame_time",
     "detect",
     "emit_verilog",
     "make_core",

@@ -7,7 +7,7 @@ from golden.algorithm import PROFILES
 from golden.corners import Corners, Flag
 from golden.detector import Detection, FrameResult, StreamModel, check_image, detect, detection
 from golden.float_model import reference_detect
-from golden.output_constructor import FrameEnd, decode, decode_frame_end
+from golden.output_constructor import FrameEnd, decode, decode_frame_end, decode_frame_time
 from golden.parameters import Parameters
 from golden.settings import Settings
 
@@ -24,6 +24,7 @@ __all__ = [
     "check_image",
     "decode",
     "decode_frame_end",
+    "decode_frame_time",
     "detect",
     "detection",
     "reference_detect",

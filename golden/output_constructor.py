@@ -29,6 +29,19 @@ bits    end-of-frame record
 63      CUT: the frame was cut short. It then lacks corners, and bits 60:40 are 0.
         The detector by itself never cuts one; see ``golden.video``
 ======  ==========================================================================
+
+Edges with registers can send one more record after it, as the last of a packet. With these flags
+and D above 0 it is nothing else, and whoever reads a packet up to its end-of-frame record never
+comes to it:
+
+======  ==========================================================================
+bits    time record
+======  ==========================================================================
+59:0    the clock in which the frame's first pixel was taken, counted from reset;
+        the counter has 64 bits, of which the highest are 0 for 182 years at
+        200 MHz
+63:60   all are set
+======  ==========================================================================
 """
 
 from __future__ import annotations
@@ -58,6 +71,9 @@ FRAME_BITS = 16
 
 END_OF_FRAME = Flag.CLAMPED | Flag.NOT_MAXIMUM
 CUT_SHIFT = 63
+TIME_BITS = 60
+TIME_RECORD = 0b1111
+"""The bits of a time record above its time."""
 
 
 class FrameEnd(NamedTuple):
@@ -103,8 +119,13 @@ def encode_frame_end(end: FrameEnd) -> int:
     )
 
 
+def encode_frame_time(clock: int) -> int:
+    """The time record of a frame whose first pixel was taken in that clock."""
+    return clock % (1 << TIME_BITS) | TIME_RECORD << TIME_BITS
+
+
 def decode(words: Records) -> Corners:
-    """Corners of an array of 64-bit records, (n,) uint64; end-of-frame records are left out.
+    """Corners of an array of 64-bit records, (n,) uint64; all other records are left out.
 
     Anything else raises ``TypeError`` or ``ValueError``: other types do not hold the same 64 bits.
     """
@@ -137,17 +158,41 @@ def decode_frame_end(word: int) -> FrameEnd:
     TypeError
         The word is not a whole number.
     ValueError
-        It has more than 64 bits, or is a corner record.
+        It has more than 64 bits, or is another record.
     """
-    if not is_whole(word):
-        raise TypeError(f"record is a {type(word).__name__}; allowed: a whole number")
-    check_integer("record", word, 0, (1 << RECORD_BITS) - 1)
-    word = int(word)
-    if (word >> FLAG_SHIFT) & END_OF_FRAME != END_OF_FRAME:
-        raise ValueError(f"record {word:#018x} is not an end-of-frame record (bits 62:61 must be 0b11)")
+    word = _record(word)
+    if (word >> FLAG_SHIFT) & END_OF_FRAME != END_OF_FRAME or word >> TIME_BITS == TIME_RECORD:
+        raise ValueError(
+            f"record {word:#018x} is not an end-of-frame record "
+            "(bits 62:61 must be 0b11, and bits 63:60 not 0b1111)"
+        )
     return FrameEnd(
         records=word & ((1 << COUNT_BITS) - 1),
         frame=(word >> COUNT_BITS) & ((1 << FRAME_BITS) - 1),
         maximum=(word >> RESPONSE_SHIFT) & ((1 << RESPONSE_FIELD_BITS) - 1),
         cut=bool(word >> CUT_SHIFT),
     )
+
+
+def decode_frame_time(word: int) -> int:
+    """The clock in which a frame's first pixel was taken, modulo 2**60, from its time record.
+
+    Raises
+    ------
+    TypeError
+        The word is not a whole number.
+    ValueError
+        It has more than 64 bits, or is another record.
+    """
+    word = _record(word)
+    if word >> TIME_BITS != TIME_RECORD:
+        raise ValueError(f"record {word:#018x} is not a time record (bits 63:60 must be 0b1111)")
+    return word & ((1 << TIME_BITS) - 1)
+
+
+def _record(word: int) -> int:
+    """The word as Python's ``int``, if it is one of 64 bits."""
+    if not is_whole(word):
+        raise TypeError(f"record is a {type(word).__name__}; allowed: a whole number")
+    check_integer("record", word, 0, (1 << RECORD_BITS) - 1)
+    return int(word)

@@ -19,12 +19,14 @@ end of line too late          The surplus is dropped, up to the end of line; the
 
 A cut frame leaves nothing behind: the next frame's reference, and the corners that its T1 is
 adapted to, are those of the last *complete* frame.
+
+A frame's time is the clock in which the input took its first pixel, whatever became of the frame.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntFlag
 
 import numpy as np
@@ -32,7 +34,7 @@ import numpy as np
 from golden.checks import check_integer, check_type
 from golden.corners import ByValue
 from golden.detector import StreamModel, pixel_dtype
-from golden.output_constructor import NO_LIMIT, FrameEnd, Records, encode_frame_end
+from golden.output_constructor import NO_LIMIT, FrameEnd, Records, encode_frame_end, encode_frame_time
 from golden.parameters import Parameters
 from golden.preprocessing import Image
 from golden.settings import Settings
@@ -86,6 +88,8 @@ class VideoSettings:
     max_records
         Largest number of corners reported per frame; the others are dropped. It holds at once, not
         from the next frame on.
+    send_time
+        True: a time record follows each end-of-frame record. It holds at once, too.
     """
 
     width: int
@@ -94,6 +98,7 @@ class VideoSettings:
     enabled: bool = True
     ignore_eol: bool = False
     max_records: int = NO_LIMIT
+    send_time: bool = False
 
     def check(self, parameters: Parameters) -> None:
         """Raise ``TypeError`` or ``ValueError`` if this detector cannot have these settings."""
@@ -104,6 +109,7 @@ class VideoSettings:
         check_integer("max_records", self.max_records, 0, NO_LIMIT)
         check_type("enabled", self.enabled, bool)
         check_type("ignore_eol", self.ignore_eol, bool)
+        check_type("send_time", self.send_time, bool)
         check_type("settings", self.settings, Settings)
         self.settings.check(parameters)
 
@@ -115,20 +121,22 @@ class VideoSettings:
             "width": self.width,
             "height": self.height,
             "max_records": self.max_records,
+            "send_time": int(self.send_time),
             **self.settings.fixed(parameters),
         }
 
 
 @dataclass(frozen=True, eq=False)
 class Packet(ByValue):
-    """The records of one frame, of which the last closes it.
+    """The records of one frame.
 
     Parameters
     ----------
     records
         (n,) uint64. A complete frame has all its records here, with the end-of-frame record. A cut
         frame has those of the corners whose support had come when it was cut, and no end: the
-        hardware delivers some number of the first of them, and then an end-of-frame record.
+        hardware delivers some number of the first of them, and then an end-of-frame record. A time
+        record is not among them.
     frame, cut
         As in the end-of-frame record.
     found
@@ -136,6 +144,11 @@ class Packet(ByValue):
         cut.
     pixels
         The pixels of the frame that came: (height, width) of a complete frame, (n,) of a cut one.
+    begun
+        Number of beats since reset before its first pixel. The clock in which the input takes that
+        one is the frame's time.
+    timed
+        A time record follows.
     """
 
     records: Records
@@ -143,9 +156,18 @@ class Packet(ByValue):
     cut: bool
     found: int
     pixels: Image = field(repr=False)
+    begun: int
+    timed: bool
 
-    def matches(self, words: Records) -> bool:
-        """May the hardware deliver these words for this frame?"""
+    def matches(self, words: Records, clock: int | None = None) -> bool:
+        """May the hardware deliver these words for this frame, which began in that clock?
+
+        Only a packet that is ``timed`` depends on the clock.
+        """
+        if self.timed:
+            if not len(words) or clock is None or int(words[-1]) != encode_frame_time(clock):
+                return False
+            words = words[:-1]
         if not self.cut:
             return np.array_equal(words, self.records)
         count = len(words) - 1
@@ -186,6 +208,7 @@ class VideoModel:
         self.dropped_records = 0
         self._stream.reset()
         self._now: VideoSettings | None = None
+        self._beats = self._begun = 0
         self._pixels: list[int] = []
         self._x = 0
         # is a line's surplus being dropped; has a complete frame gone before; pixels dropped since
@@ -222,7 +245,11 @@ class VideoModel:
         video.check(self.parameters)
         beats = list(beats)
         self._check_pixels([pixel for pixel, _, _ in beats])
-        return [packet for beat in beats for packet in self._feed(*beat, video)]
+        packets = []
+        for beat in beats:
+            packets += self._feed(*beat, video)
+            self._beats += 1
+        return [replace(packet, timed=video.send_time) for packet in packets]
 
     def _check_pixels(self, pixels: list[int]) -> None:
         largest = self.parameters.pixel_max
@@ -243,7 +270,7 @@ class VideoModel:
         if not sof or not video.enabled:
             self._between(eol, video)
             return packets
-        self._now = video
+        self._now, self._begun = video, self._beats
         self._pixels, self._x = [pixel], 1
         self._surplus = self._after = False
         return packets
@@ -299,7 +326,7 @@ class VideoModel:
             self.events |= Event.RECORDS_DROPPED
         self.events |= Event.FRAME_DONE
         self._now = None
-        return Packet(result.records, frame, False, result.found, image)
+        return Packet(result.records, frame, False, result.found, image, self._begun, now.send_time)
 
     def _cut(self, now: VideoSettings) -> Packet:
         frame = self._stream.frame
@@ -308,7 +335,7 @@ class VideoModel:
         self._now = None
         self._after, self._dropped, self._surplus = False, 0, False
         pixels = np.array(self._pixels, pixel_dtype(self.parameters))
-        return Packet(records[: now.max_records], frame, True, 0, pixels)
+        return Packet(records[: now.max_records], frame, True, 0, pixels, self._begun, now.send_time)
 
     def _image(self, now: VideoSettings) -> Image:
         """The frame, black where no pixel has come."""

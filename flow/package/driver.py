@@ -134,6 +134,17 @@ class Registers:
             raise ValueError(f"{name} is {word!r}; allowed: bits of {register.mask:#010x}")
         self._write(register.address, index(word))
 
+    def wide(self, name: str) -> int:
+        """The number of 64 bits in two registers, ``NOW`` or ``FRAME_TIME``.
+
+        It may change between two reads; so it is read until its high half has stayed.
+        """
+        high = self.read(f"{name}_HIGH")
+        while True:
+            low, before, high = self.read(f"{name}_LOW"), high, self.read(f"{name}_HIGH")
+            if high == before:
+                return high << 32 | low
+
     def fields(self, name: str) -> dict[str, int]:
         """Reads a register: the values of its fields."""
         return self.map.decode(name, self.read(name))

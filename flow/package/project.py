@@ -118,6 +118,8 @@ def _facts(build: Build, name: str) -> dict[str, Any]:
             "flag_bits": record.RECORD_BITS - record.FLAG_SHIFT,
             "flag_shift": record.FLAG_SHIFT,
             "frame_bits": record.FRAME_BITS,
+            "time": record.TIME_RECORD,
+            "time_bits": record.TIME_BITS,
             "end": int(record.END_OF_FRAME),
             "offset_bits": OFFSET_BITS,
             "response_bits": record.RESPONSE_FIELD_BITS,

@@ -16,6 +16,8 @@ from golden.output_constructor import (
     FRAME_BITS,
     RESPONSE_FIELD_BITS,
     RESPONSE_SHIFT,
+    TIME_BITS,
+    TIME_RECORD,
 )
 from golden.video import NO_LIMIT, Event
 from hdl.edges.frame_guard import events_layout
@@ -53,18 +55,23 @@ class PacketConstructor(wiring.Component):
     clear
         Counting starts from 0, as at reset. A beat at the output stays.
     max_records
-        Largest number of records in a packet before its last one.
+        Largest number of records in a packet before its end-of-frame record.
+    send_time, time
+        A time record follows each end-of-frame record; the time it holds, of the frame that has
+        ended last.
     found
         With ``budget`` only: corners of the frame that ends, not only those that the detector
         reported.
     o
         Stream of ``record_layout()``, all of it registers.
+    ended
+        A packet's end-of-frame record is made; ``time`` is its frame's from the next clock on.
     done
         A complete frame's end is taken from the detector.
     results
         ``results_layout()``: number of the next frame; corners of the last complete one, those of
         them that were dropped, its largest response. They change with ``done`` and ``closed``,
-        before the end has left.
+        before the packet's last beat has left.
     any_results
         There has been a complete frame.
     events
@@ -83,8 +90,11 @@ class PacketConstructor(wiring.Component):
                 "closed": Out(1),
                 "clear": In(1),
                 "max_records": In(COUNT_BITS, init=NO_LIMIT),
+                "send_time": In(1),
+                "time": In(TIME_BITS),
                 **optional(budget, found=In(COUNT_BITS)),
                 "o": Out(stream.Signature(record_layout())),
+                "ended": Out(1),
                 "done": Out(1),
                 "results": Out(results_layout()),
                 "any_results": Out(1),
@@ -98,6 +108,8 @@ class PacketConstructor(wiring.Component):
         count, dropped = Signal(COUNT_BITS), Signal(COUNT_BITS)
         free, step, full, send = Signal(), Signal(), Signal(), Signal()
         last = self.i.payload.last
+        # of the frame that has ended last: its time record is due, and it was cut
+        timing, cut = Signal(), Signal()
         dropping = step & ~last & full
         delivered = self.o.valid & self.o.ready & self.o.payload.last
         found, missing = (self.found, self.found - count) if self._budget else (count + dropped, dropped)
@@ -105,13 +117,14 @@ class PacketConstructor(wiring.Component):
         maximum = self.i.payload.record[RESPONSE_SHIFT : RESPONSE_SHIFT + RESPONSE_FIELD_BITS]
         m.d.comb += [
             free.eq(~self.o.valid | self.o.ready),
-            self.i.ready.eq(free),
-            step.eq(self.i.valid & free),
+            self.i.ready.eq(free & ~timing),
+            step.eq(self.i.valid & self.i.ready),
             send.eq(step & (last | ~full)),
             self.done.eq(step & last),
-            self.closed.eq(self.close & free),
-            events.frame_done.eq(delivered & ~self.o.payload.record[CUT_SHIFT]),
-            events.frame_cut.eq(delivered & self.o.payload.record[CUT_SHIFT]),
+            self.ended.eq(self.done | (self.close & free & ~timing)),
+            self.closed.eq(self.close & free & Mux(timing, cut, ~self.send_time)),
+            events.frame_done.eq(delivered & ~cut),
+            events.frame_cut.eq(delivered & cut),
             events.records_dropped.eq(dropping | late),
         ]
         # a clock ahead; the number of records grows by one at most
@@ -131,12 +144,16 @@ class PacketConstructor(wiring.Component):
             C(END_OF_FRAME, CUT_SHIFT - FLAG_SHIFT),
             self.close,
         )
+        record = Mux(self.close | last, closing, self.i.payload.record)
         with m.If(free):
             m.d.sync += [
-                self.o.valid.eq(send | self.close),
-                self.o.payload.record.eq(Mux(self.close | last, closing, self.i.payload.record)),
-                self.o.payload.last.eq(last | self.close),
+                self.o.valid.eq(send | self.close | timing),
+                self.o.payload.record.eq(Mux(timing, Cat(self.time, C(TIME_RECORD, 4)), record)),
+                self.o.payload.last.eq(timing | ((last | self.close) & ~self.send_time)),
+                timing.eq(self.ended & self.send_time),
             ]
+        with m.If(self.ended):
+            m.d.sync += cut.eq(self.close)
         with m.If(self.done):
             m.d.sync += [
                 results.corners.eq(found),
@@ -148,7 +165,7 @@ class PacketConstructor(wiring.Component):
             m.d.sync += results.frames.eq(results.frames + 1)
         with m.If(self.clear):
             m.d.sync += [results.eq(0), self.any_results.eq(0)]
-        probe(self, count=count, dropped=dropped)
+        probe(self, count=count, dropped=dropped, timing=timing, cut=cut)
         return m
 
     def _left_out(self, m: Module) -> Value:

@@ -57,7 +57,7 @@ class RegisterBank(wiring.Component):
         ``control_layout(build)``.
     timeout
         Limit of the watchdogs, in clocks.
-    active, results, history, clocks, reset_done
+    active, results, history, clocks, times, reset_done
         The same as in ``VideoDetector``.
     events
         ``events_layout(*OTHER_EVENTS)``.

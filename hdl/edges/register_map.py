@@ -118,6 +118,12 @@ def _control(build: Build) -> tuple[Register, ...]:
                 Field(
                     "ignore_eol", 4, 1, "Lines are told apart by counting, for sources without end of line."
                 ),
+                Field(
+                    "send_time",
+                    5,
+                    1,
+                    "A time record follows each end-of-frame record, as the packet's last. It holds at once.",
+                ),
             ),
         ),
         Register(
@@ -259,6 +265,19 @@ def _results(build: Build) -> tuple[Register, ...]:
             RESPONSE_FIELD_BITS,
             "The largest D at pixels where a corner may be.",
         ),
+        *_times(),
+    )
+
+
+def _times() -> tuple[Register, ...]:
+    now, frame = "Clocks since reset", "NOW when the first pixel of the last frame that has ended was taken"
+    return tuple(
+        _single(f"{name}_{half}", address + 4 * high, "ro", f"{text}, bits {bits}.", 32, unit)
+        for name, address, text, unit in (
+            ("NOW", 0x60, now, "Read the high half before and after it; if they differ, read again."),
+            ("FRAME_TIME", 0x68, frame, "Likewise. A cut frame has ended, too; 0: none has since reset."),
+        )
+        for high, half, bits in ((0, "LOW", "31:0"), (1, "HIGH", "63:32"))
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Module, Mux, ResetInserter, Signal, Value
+from amaranth.hdl import C, Cat, Module, Mux, ResetInserter, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -15,6 +15,7 @@ from golden.video import NO_LIMIT
 from hdl.adaptation import adapted_layout
 from hdl.build import Build
 from hdl.detector import Detector
+from hdl.edges.frame_clock import FrameClock
 from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard, events_layout, video_layout
 from hdl.edges.overlay import Overlay, overlay_layout
 from hdl.edges.packet_constructor import PACKET_EVENTS, PacketConstructor, results_layout
@@ -43,8 +44,15 @@ def report_members(build: Build) -> dict[str, wiring.Member]:
         "results": Out(results_layout()),
         **optional(build.budget, history=Out(adapted_layout(build))),
         "clocks": Out(CLOCK_BITS),
+        "times": Out(times_layout()),
         "reset_done": Out(1),
     }
+
+
+def times_layout() -> data.StructLayout:
+    """The present time, and that of the last frame that has ended, in clocks since reset."""
+    words = ("now_low", "now_high", "frame_time_low", "frame_time_high")
+    return data.StructLayout(dict.fromkeys(words, 32))
 
 
 def control_layout(build: Build) -> data.StructLayout:
@@ -56,6 +64,7 @@ def control_layout(build: Build) -> data.StructLayout:
         {
             "enable": 1,
             "ignore_eol": 1,
+            "send_time": 1,
             "reset": 1,
             "width": range(build.max_width + 1),
             "height": range(build.max_height + 1),
@@ -112,6 +121,8 @@ class VideoDetector(wiring.Component):
         ``results_layout()``.
     clocks
         From the first pixel of the last complete frame to its last, both counted.
+    times
+        ``times_layout()``. A frame's time is that at which ``video`` took its first pixel.
     events
         ``events_layout(*VIDEO_EVENTS)``.
     active
@@ -130,6 +141,8 @@ class VideoDetector(wiring.Component):
         self._guard = FrameGuard(build)
         self._detector = detector or Detector(build)
         self._packets = PacketConstructor(budget=build.budget)
+        # complete frames inside, the one under way, and two starts of frame in the skid buffer
+        self._clock = FrameClock(self._most_inside + 3)
         super().__init__(
             {
                 "video": In(stream.Signature(video_layout(build))),
@@ -184,9 +197,11 @@ class VideoDetector(wiring.Component):
             detector.o.ready.eq(packets.i.ready & ~stopped),
             packets.i.payload.eq(detector.o.payload),
             packets.max_records.eq(self.control.max_records),
+            packets.send_time.eq(self.control.send_time),
         ]
         wiring.connect(m, packets.o, wiring.flipped(self.records))
         self._restart(m, restart, stopped, shown & settled)
+        self._time(m)
         self._report(m)
         return m
 
@@ -271,10 +286,7 @@ class VideoDetector(wiring.Component):
 
     def _in_flight(self, m: Module, name: str, out: Any, restart: Signal) -> Signal:
         """Complete frames whose last pixel has gone in, but whose end has not come out."""
-        # each frame in flight, but for two, has at least one window among the corner flags and
-        # pending records that wait
-        most = self._build.queue_depth + 32
-        inside = Signal(range(most), name=name)
+        inside = Signal(range(self._most_inside + 1), name=name)
         with m.If(restart):
             m.d.sync += inside.eq(0)
         with m.Elif(self._guard.done & ~out):
@@ -282,6 +294,27 @@ class VideoDetector(wiring.Component):
         with m.Elif(out & ~self._guard.done):
             m.d.sync += inside.eq(inside - 1)
         return inside
+
+    @property
+    def _most_inside(self) -> int:
+        """Complete frames that can be in flight at most."""
+        # each of them, but for two, has at least one window among the corner flags and pending
+        # records that wait
+        return self._build.queue_depth + 31
+
+    def _time(self, m: Module) -> None:
+        video, guard, packets, clock = self.video, self._guard, self._packets, self._clock
+        m.submodules.clock = clock
+        taken = guard.i.valid & guard.i.ready & guard.i.payload.sof
+        m.d.comb += [
+            clock.arrives.eq(video.valid & video.ready & video.payload.sof),
+            clock.begins.eq(taken & guard.taken),
+            clock.drops.eq(taken & ~guard.taken),
+            clock.ends.eq(packets.ended),
+            clock.forget.eq(self.reset_done),
+            packets.time.eq(clock.time),
+            Value.cast(self.times).eq(Cat(clock.now, clock.time)),
+        ]
 
     def _report(self, m: Module) -> None:
         guard, packets = self._guard, self._packets

@@ -14,8 +14,10 @@ from golden.output_constructor import (
     FrameEnd,
     decode,
     decode_frame_end,
+    decode_frame_time,
     encode,
     encode_frame_end,
+    encode_frame_time,
 )
 from golden.subpixel import Offset
 
@@ -120,8 +122,9 @@ def test_end_of_frame_by_hand() -> None:
 
 @given(st.integers(0, 2**24 - 1), st.integers(0, 2**40), st.integers(0, 2093058), st.booleans())
 def test_end_of_frame_round_trip(records: int, frame: int, maximum: int, cut: bool) -> None:
-    word = encode_frame_end(FrameEnd(records, frame, maximum, cut))
-    assert decode_frame_end(word) == FrameEnd(records, frame % 65536, maximum, cut)
+    end = FrameEnd(records, frame, 0 if cut else maximum, cut)
+    word = encode_frame_end(end)
+    assert decode_frame_end(word) == end._replace(frame=frame % 65536)
     assert len(decode(np.array([word], dtype=np.uint64))) == 0
 
 
@@ -131,9 +134,37 @@ def test_corner_record_is_no_end_of_frame(flags: int) -> None:
         decode_frame_end(flags << 61 | 5)
 
 
-def test_decode_leaves_ends_of_frame_out_and_keeps_the_order() -> None:
-    end = encode_frame_end(FrameEnd(2, 0, 9))
-    words = np.array([record(x=9, y=7), record(x=8, y=8), end, record(x=10, y=9), end], dtype=np.uint64)
+def test_time_record_by_hand() -> None:
+    assert encode_frame_time(0) == 0xF000_0000_0000_0000
+    assert encode_frame_time(0x123_4567_89AB_CDEF) == 0xF123_4567_89AB_CDEF
+    assert encode_frame_time(1 << 60 | 7) == 0xF000_0000_0000_0007
+    assert decode_frame_time(np.uint64(0xF123_4567_89AB_CDEF)) == 0x123_4567_89AB_CDEF
+
+
+@given(st.integers(0, 2**64 - 1))
+def test_each_word_is_of_one_kind(word: int) -> None:
+    """A corner, an end of frame or a time; and whatever is none of the latter two says so."""
+    kinds = {decode_frame_end: "an end-of-frame record", decode_frame_time: "a time record"}
+    taken = len(decode(np.array([word], np.uint64)))
+    for function, kind in kinds.items():
+        try:
+            function(word)
+            taken += 1
+        except ValueError as error:
+            assert f"record {word:#018x} is not {kind} (bits 6" in str(error)
+    assert taken == 1
+
+
+def test_no_end_of_frame_looks_like_a_time() -> None:
+    """A cut frame's has no largest response, and a complete frame's lacks bit 63."""
+    for end in (FrameEnd(2**24 - 1, 2**16 - 1, 0, cut=True), FrameEnd(0, 0, 2**21 - 1)):
+        assert decode_frame_end(encode_frame_end(end)) == end
+
+
+def test_decode_leaves_other_records_out_and_keeps_the_order() -> None:
+    end, time = encode_frame_end(FrameEnd(2, 0, 9)), encode_frame_time(1 << 59 | 5)
+    corners = [record(x=x, y=8) for x in (9, 8, 10)]
+    words = np.array([*corners[:2], end, time, corners[2], end, time], dtype=np.uint64)
     assert decode(words).x.tolist() == [9, 8, 10]
 
 

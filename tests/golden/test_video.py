@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from golden import Parameters, Settings, StreamModel, decode_frame_end, detect
-from golden.output_constructor import FrameEnd, encode_frame_end
+from golden.output_constructor import FrameEnd, encode_frame_end, encode_frame_time
 from golden.preprocessing import Image
 from golden.video import Event, Packet, VideoModel, VideoSettings, framed
 from tests.support.malformed import FAULTS, Beats, Fault, texture, whole
@@ -181,6 +181,23 @@ def test_cut_packets_match_any_number_of_their_first_records() -> None:
     whole_packet = packets[2]
     assert whole_packet.matches(whole_packet.records)
     assert not whole_packet.matches(whole_packet.records[1:])
+
+
+def test_packets_with_time_match_in_their_clock_only() -> None:
+    model, dropped = VideoModel(PARAMETERS), [(7, False, False)] * 5
+    beats = dropped + framed(FIRST) + dropped + framed(SECOND)[:LATE] + framed(THIRD)[:1]
+    packets = model.feed(beats, replace(VIDEO, send_time=True))
+    assert [packet.begun for packet in packets] == [5, 5 + FIRST.size + 5]
+    complete, cut = packets
+    cut_words = np.array([encode_frame_end(FrameEnd(0, 1, 0, cut=True))], np.uint64)
+    for packet, words in ((complete, complete.records), (cut, cut_words)):
+        assert packet.timed
+        whole_words = np.append(words, np.uint64(encode_frame_time(1234)))
+        assert packet.matches(whole_words, 1234)
+        assert not packet.matches(whole_words, 1235) and not packet.matches(whole_words)
+        assert not packet.matches(words, 1234) and not packet.matches(words[:0], 1234)
+        untimed = replace(packet, timed=False)
+        assert untimed.matches(words) and not untimed.matches(whole_words, 1234)
 
 
 def test_records_of_a_cut_frame_need_their_whole_support() -> None:

@@ -15,6 +15,7 @@ from golden import (
     check_image,
     decode,
     decode_frame_end,
+    decode_frame_time,
     detect,
     reference_detect,
 )
@@ -63,6 +64,7 @@ WORDS = "records have dtype {}; allowed: uint64"
         (lambda: decode(np.zeros(2)), WORDS.format("float64")),
         (lambda: decode(np.array([-1])), WORDS.format("int64")),
         (lambda: decode(np.zeros(2, np.uint32)), WORDS.format("uint32")),
+        (lambda: decode_frame_time("5"), "record is a str; allowed: a whole number"),
         (lambda: decode_frame_end("5"), "record is a str; allowed: a whole number"),
         (lambda: decode_frame_end(6.9e18), "record is a float; allowed: a whole number"),
     ],
@@ -79,6 +81,7 @@ def test_types(call: Callable[[], Any], message: str) -> None:
         (lambda: Settings(report_rejected="no"), "report_rejected is 'no'; allowed: True or False"),
         (lambda: decode(np.zeros((2, 3), np.uint64)), r"records have shape \(2, 3\); allowed: \(n,\)"),
         (lambda: decode(np.zeros((), np.uint64)), r"records have shape \(\); allowed: \(n,\)"),
+        (lambda: decode_frame_time(1 << 64), "record is 18446744073709551616; allowed: whole numbers from 0"),
         (lambda: decode_frame_end(-1), "record is -1; allowed: whole numbers from 0 to 18446744073709551615"),
         (lambda: decode_frame_end(1 << 64), "record is 18446744073709551616; allowed: whole numbers from 0"),
         (lambda: reference_detect(IMAGE, reference=-1), "reference is -1; allowed: 0 to 130050"),

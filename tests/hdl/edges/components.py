@@ -34,6 +34,7 @@ class PlainVideoDetector(wiring.Component):
                 **({"overlay": Out(stream.Signature(overlay_layout(p)))} if p.video_out else {}),
                 "enable": In(1, init=1),
                 "ignore_eol": In(1),
+                "send_time": In(1),
                 "width": In(range(p.max_width + 1)),
                 "height": In(range(p.max_height + 1)),
                 "max_records": In(COUNT_BITS, init=NO_LIMIT),
@@ -48,7 +49,7 @@ class PlainVideoDetector(wiring.Component):
         wiring.connect(m, dut.records, wiring.flipped(self.records))
         if self._parameters.video_out:
             wiring.connect(m, dut.overlay, wiring.flipped(self.overlay))
-        for name in ("enable", "ignore_eol", "width", "height", "max_records"):
+        for name in ("enable", "ignore_eol", "send_time", "width", "height", "max_records"):
             m.d.comb += dut.control[name].eq(getattr(self, name))
         for name, _ in settings_layout(self._parameters):
             m.d.comb += dut.control.settings[name].eq(getattr(self, str(name)))

@@ -55,18 +55,25 @@ def video_settings(parameters: Parameters, image: Image) -> VideoSettings:
 
 
 def run(
-    runner: Engine, parameters: Parameters, parts: Sequence[tuple[Beats, VideoSettings]], stalls: Stalls
+    runner: Engine,
+    parameters: Parameters,
+    parts: Sequence[tuple[Beats, VideoSettings]],
+    stalls: Stalls,
+    *,
+    send_time: bool = True,
 ) -> tuple[Capture, VideoModel]:
-    """Feed these and compare every packet."""
+    """Feed these and compare every packet, with its time."""
     model = VideoModel(parameters)
+    parts = [(beats, replace(video, send_time=send_time)) for beats, video in parts]
     expected = [packet for beats, video in parts for packet in model.feed(beats, video)]
     starts = np.cumsum([0, *(len(beats) for beats, _ in parts)])
     changes = [(int(k), video.fixed(parameters)) for k, (_, video) in zip(starts, parts, strict=False)]
     words = payloads([beat for beats, _ in parts for beat in beats], parameters)
     capture = runner.run(Stimulus({"video": words}, changes, stalls), quiet=2000)
-    got = packets(capture)
+    got, clocks = packets(capture), capture.input_clocks["video"]
     for number, (packet, records) in enumerate(zip(expected, got, strict=False)):
-        assert packet.matches(records), (number, packet.cut, packet.records, records)
+        clock = int(clocks[packet.begun])
+        assert packet.matches(records, clock), (number, packet.cut, clock, packet.records, records)
     # a frame that has not ended may have shown corners already
     assert len(got) == len(expected) + (model.active and len(got) > len(expected))
     return capture, model
@@ -92,7 +99,7 @@ def test_full_rate_and_latency(parameters: Parameters) -> None:
     for width, height in ((15, 15), (MAX_WIDTH, MAX_HEIGHT), (33, 17)):
         blank = np.zeros((height, width), np.uint8)
         parts = [(framed(blank), video_settings(parameters, blank))] * 4
-        capture, _ = run(runner, parameters, parts, Stalls())
+        capture, _ = run(runner, parameters, parts, Stalls(), send_time=False)
         clocks = capture.input_clocks["video"]
         assert clocks.tolist() == list(range(clocks[0], clocks[0] + len(clocks)))
         ends = capture.output_clocks["records"]
