@@ -69,6 +69,8 @@ class Bench:
         Events that the model does not know of, expected in STATUS.
     input, output, video_output
         Watches of the streams.
+    reset_at
+        The clock in which the core's time was 0, as ``input`` counts clocks.
     """
 
     def __init__(
@@ -103,6 +105,9 @@ class Bench:
         self.expected: list[Packet] = []
         self.extra = Event(0)
         self.video = VideoSettings(p.max_width, p.max_height, Settings.default(p))
+        self.reset_at = 0
+        # beats that the model has not been fed, because they came before it was reset
+        self._earlier = 0
 
     @property
     def sink(self) -> Sink:
@@ -110,11 +115,13 @@ class Bench:
 
     async def start(self) -> None:
         await start(self.dut)
+        self.reset_at = self.input.clock
 
     async def hard_reset(self) -> None:
         """Reset by the pin at any time; beats that are still inside are not expected any more."""
         self.source.clear()
         await reset(self.dut, random.randrange(1, 4))
+        self.reset_at = self.input.clock
         self.forget()
         self.model.events = self.extra = Event(0)
 
@@ -196,7 +203,11 @@ class Bench:
     def expect(self, beats: Beats) -> None:
         """Beats that the source has already."""
         packets = self.shown.feed(self.model, beats, self.video)
-        self.expected += packets
+        self.expected += [replace(packet, begun=packet.begun + self._earlier) for packet in packets]
+
+    def time(self, packet: Packet) -> int:
+        """The clock, since reset, in which the first pixel of its frame was taken."""
+        return self.input.times[packet.begun] - self.reset_at
 
     async def quiet(self) -> None:
         """Returns when nothing has moved, nor tried to, for longer than anything takes inside."""
@@ -222,7 +233,11 @@ class Bench:
     async def check(self) -> None:
         """All data have come out, and nothing else; STATUS is exact, and is cleared."""
         await self.quiet()
+        last = self.expected[-1:]
         self.compare(self.received())
+        for name, part in (("FRAME_TIME_LOW", 0), ("FRAME_TIME_HIGH", 32)):
+            for packet in last:
+                await self.hold({self.map[name].address: self.time(packet) >> part & 0xFFFF_FFFF})
         if self.parameters.video_out:
             self.shown.check(self.sinks[1])
         assert all(sink.empty for sink in self.sinks), "a packet is left that has no end"
@@ -239,6 +254,7 @@ class Bench:
         events = self.model.events
         self.model.reset()
         self.model.events = events
+        self._earlier = after[0].begun if after else self.input.beats
         self.shown.interrupt(begun)
         for packet in after:
             self.expect(framed(packet.pixels))
@@ -258,8 +274,10 @@ class Bench:
         cut = False
         for packet, words in zip(before, got[:early], strict=False):
             assert not cut, "a packet after the one that was cut"
-            cut = not packet.matches(words)
-            assert not cut or interrupted(packet, words), f"{packet.frame}: {[hex(word) for word in words]}"
+            clock = self.time(packet)
+            cut = not packet.matches(words, clock)
+            shown = f"{packet.frame}: {[hex(word) for word in words]}"
+            assert not cut or interrupted(packet).matches(words, clock), shown
         assert early <= len(before), f"{early} packets before the reset instead of {len(before)} at most"
         self.model.events = Event.FRAME_DONE | (Event.FRAME_CUT if cut else Event(0))
         self.compare(got[early:])
@@ -271,8 +289,9 @@ class Bench:
         packets, expected = list(packets), list(self.expected)
         self.expected.clear()
         for k, (packet, words) in enumerate(zip(expected, packets, strict=False)):
-            assert packet.matches(words), (
-                f"packet {k} of {len(expected)}, {'cut' if packet.cut else 'complete'}: "
+            clock = self.time(packet)
+            assert packet.matches(words, clock), (
+                f"packet {k} of {len(expected)}, {'cut' if packet.cut else 'complete'}, clock {clock:#x}: "
                 f"{[hex(word) for word in words]} instead of {[hex(word) for word in packet.records]}"
             )
         assert len(packets) == len(expected), f"{len(packets)} packets instead of {len(expected)}"
@@ -313,12 +332,13 @@ class Bench:
 
 
 async def usual(bench: Bench, **changes: int) -> None:
-    """A small frame, and thresholds that let many corners pass."""
+    """A small frame, and thresholds that let many corners pass; every other time, with times."""
     p = bench.parameters
     settings = Settings.default(p, sigma1=0.01, sigma2=lenient(p), report_rejected=True)
-    await bench.configure(VideoSettings(37, 29, settings, **changes))
+    send_time = bool(random.getrandbits(1))
+    await bench.configure(replace(VideoSettings(37, 29, settings, send_time=send_time), **changes))
 
 
-def interrupted(packet: Packet, words: Records) -> bool:
-    """May these be what came out of a frame that a reset cut somewhere?"""
-    return replace(packet, cut=True, records=packet.records[:-1]).matches(words)
+def interrupted(packet: Packet) -> Packet:
+    """What may come out of a frame if a reset cuts it somewhere."""
+    return replace(packet, cut=True, records=packet.records[:-1])

@@ -17,13 +17,13 @@ from golden.version import VERSION
 from golden.video import Event, framed
 from sim.cocotb_bench import CLOCK_NS
 from tests.benches.axi import ROUNDS, Bench, draw, usual
-from tests.benches.common import Dut
+from tests.benches.common import Dut, watch_lite
 
 ALL = 0xFFFF_FFFF
 EVENTS = (1 << 13) - 1
-READ_ONLY = (0x00, 0x04, 0x08, 0x0C, 0x40, 0x44, 0x48, 0x4C, 0x50, 0x60, 0x64, 0x68, 0x6C)
+READ_ONLY = (0x00, 0x04, 0x08, 0x0C, 0x40, 0x44, 0x48, 0x4C, 0x50, 0x64, 0x68, 0x6C)
 NOW = 0x60
-"""It never stays."""
+"""The low half: read only, but it never stays."""
 WRITABLE = {
     0x10: 0b111101,  # CONTROL without RESET
     0x18: EVENTS,
@@ -79,7 +79,7 @@ def reset_values(bench: Bench) -> dict[int, int]:
         0x2C: unit // 128,
         0x30: 0xFF_FFFF,
         TIMEOUT: 0xFF_FFFF,
-        **dict.fromkeys((0x40, 0x44, 0x48, 0x4C, 0x50), 0),
+        **dict.fromkeys((0x40, 0x44, 0x48, 0x4C, 0x50, 0x64, 0x68, 0x6C), 0),
         **(dict.fromkeys((0x38, 0x3C, 0x54), 0) if p.budget else {}),
     }
 
@@ -91,8 +91,8 @@ async def after_reset(dut: Dut, bus: float) -> None:
     bench = Bench(dut, bus=bus)
     await bench.start()
     values = reset_values(bench)
-    assert sorted(values) == [register.address for register in bench.map.values()]
-    for address in range(0, 256, 4):
+    assert sorted((*values, NOW)) == [register.address for register in bench.map.values()]
+    for address in set(range(0, 256, 4)) - {NOW}:
         if address in values:
             await bench.hold({address: values[address]})
         else:
@@ -145,6 +145,25 @@ async def bytes_of_registers(dut: Dut, bus: float) -> None:
     answer = await bench.registers.axi.write(0x28, b"".join(word.to_bytes(4, "little") for word in words))
     assert answer.resp == AxiResp.OKAY
     await bench.hold(dict(zip((0x28, 0x2C, 0x30, 0x34), words, strict=True)))
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(bus=[0.0, 0.5])
+async def time_goes_on(dut: Dut, bus: float) -> None:
+    """NOW is the clock after the one in which its address is taken, whatever else happens."""
+    bench = Bench(dut, bus=bus)
+    asked = watch_lite(dut, channels=("ar",))["ar"]
+    await bench.start()
+    for k in range(60):
+        if k == 20:
+            await bench.soft_reset()
+        if k == 40:
+            await bench.registers.write(NOW, ALL, expect=AxiResp.SLVERR)
+        now = await bench.registers.read(NOW)
+        assert now == asked.times[-1] - bench.reset_at + 1
+    await bench.hold({NOW + 4: 0})
+    await bench.hard_reset()
+    assert await bench.registers.read(NOW) < 30
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -84,7 +84,7 @@ class Traffic:
                 await ClockCycles(self._bench.dut.clk, random.randrange(1, 100))
 
     async def _read(self) -> None:
-        address = random.randrange(0, 0x60, 4)
+        address = random.randrange(0, 0x70, 4)
         mapped = any(register.address == address for register in self._bench.map.values())
         value = await self._bench.registers.read(address, AxiResp.OKAY if mapped else AxiResp.SLVERR)
         assert value == self._constant.get(address, value), f"{address:#04x} holds {value:#x}"
@@ -142,7 +142,8 @@ async def stress(dut: Dut) -> None:
             report_rejected=bool(random_.integers(2)),
         )
         most = int(random_.choice([NO_LIMIT, NO_LIMIT, NO_LIMIT, 0, 3]))
-        await bench.configure(VideoSettings(width, height, settings, max_records=most))
+        limits = {"max_records": most, "send_time": bool(random_.integers(2))}
+        await bench.configure(VideoSettings(width, height, settings, **limits))
         registers = ("ID", "VERSION", "CAPABILITY", "SIZE_MAX", "CONTROL", "SIZE", "SIGMA1", "SIGMA2")
         constant = {bench.map[name].address: await bench.read(name) for name in registers}
         video = frames(bench, random_, FRAMES // PARTS)

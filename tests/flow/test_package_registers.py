@@ -149,7 +149,7 @@ def test_mistakes_are_told_before_anything_is_written() -> None:
         (lambda: registers.clear("enable"), "field enable cannot be cleared; allowed: fields of STATUS"),
         (lambda: registers.read("SIZES"), "register is 'SIZES'; allowed: ID, VERSION, "),
         (lambda: registers.write("ID", 0), "register ID is read only; allowed: CONTROL, STATUS, "),
-        (lambda: registers.write("CONTROL", 32), "CONTROL is 32; allowed: bits of 0x0000001f"),
+        (lambda: registers.write("CONTROL", 64), "CONTROL is 64; allowed: bits of 0x0000003f"),
     ):
         with pytest.raises(ValueError) as caught:
             action()

@@ -61,7 +61,13 @@ SHORT: dict[str, dict[str, list[str]]] = {
             for idle, stall in pauses
         ],
         "registers": [
-            *("after_reset/bus=0.5", "bytes_of_registers/bus=0.5", "asked_in_reset", "size_refused"),
+            *(
+                "after_reset/bus=0.5",
+                "bytes_of_registers/bus=0.5",
+                "time_goes_on/bus=0.5",
+                "asked_in_reset",
+                "size_refused",
+            ),
             "interrupts",
         ],
         "settings": [
