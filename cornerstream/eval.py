@@ -16,7 +16,7 @@ from cornerstream.eval_tables import terminal
 from cornerstream.files import prepare_folder, read_figures, write_all
 from cornerstream.idle import Idle, refuse_idle
 from cornerstream.options import GIVEN_PATH, output_option
-from cornerstream.own_data import load_boards, load_images, load_pairs, load_video
+from cornerstream.own_data import load_boards, load_hpatches, load_images, load_pairs, load_video
 from cornerstream.tools import running_tools
 from evaluation.figures import Figures
 from evaluation.inputs.packages import MissingPackageError
@@ -81,6 +81,12 @@ _LEFT_OUT = [name for name, section in SECTIONS.items() if section.not_quick]
     help="Photographs of chessboards, besides the rendered ones: for chessboards.",
 )
 @click.option(
+    "--hpatches",
+    type=GIVEN_PATH,
+    metavar="DIR",
+    help="The dataset HPatches, its sequences i_NAME and v_NAME: for hpatches.",
+)
+@click.option(
     "--board-size",
     metavar="COLUMNSxROWS",
     help="Inner corners of --boards, as 9x6.  [default: common sizes are tried]",
@@ -98,6 +104,7 @@ def evaluate(
     pairs: Path | None,
     videos: tuple[Path, ...],
     boards: Path | None,
+    hpatches: Path | None,
     board_size: str | None,
     output: Path | None,
     page_only: bool,
@@ -116,6 +123,7 @@ def evaluate(
       cornerstream eval --only repeatability --images photos/
       cornerstream eval --only robustness --video walk.mp4
       cornerstream eval --only chessboards --boards boards/ --board-size 9x6
+      cornerstream eval --only hpatches --hpatches hpatches-sequences-release/
       cornerstream eval --output build/evaluation
     """
     _refuse_idle(page_only, quick, only, boards)
@@ -138,6 +146,7 @@ def evaluate(
             pairs=load_pairs(pairs) if pairs else [],
             videos=[pair for video in videos for pair in load_video(video)],
             boards=load_boards(boards, _size(board_size)) if boards else [],
+            hpatches=load_hpatches(hpatches) if hpatches else [],
         )
         chosen = {name: Parameters.profile(name) for name in profiles or PROFILES}
         with running_tools():
@@ -166,7 +175,18 @@ def _sections(*, quick: bool) -> tuple[str, ...]:
 
 def _refuse_idle(page_only: bool, quick: bool, only: tuple[str, ...], boards: Path | None) -> None:
     measuring = "without --page, which measures nothing"
-    names = ("quick", "as_json", "only", "profiles", "images", "pairs", "videos", "boards", "board_size")
+    names = (
+        "quick",
+        "as_json",
+        "only",
+        "profiles",
+        "images",
+        "pairs",
+        "videos",
+        "boards",
+        "hpatches",
+        "board_size",
+    )
     refuse_idle(*(Idle(name, page_only, measuring) for name in names))
     for name in only:
         if quick and SECTIONS[name].not_quick:

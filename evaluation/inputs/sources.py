@@ -190,11 +190,25 @@ def shrink(image: Image, longest: int = LONGEST_SIDE) -> Image:
 
 
 def read_homography(path: Path) -> NDArray[np.float64]:
-    """A 3x3 matrix from a text file; :class:`SourceError` if it is not one with an inverse."""
+    """A 3x3 matrix from a text file, or the first one of OpenCV's XML.
+
+    :class:`SourceError` if it is not one with an inverse.
+    """
     try:
-        matrix = np.loadtxt(path, dtype=np.float64)
+        matrix = _stored(path) if path.suffix == ".xml" else np.loadtxt(path, dtype=np.float64)
     except (OSError, ValueError) as error:
         raise SourceError(f"{path} cannot be read as a homography; allowed: 3x3 numbers") from error
     if matrix.shape != (3, 3) or not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < 1e-12:
         raise SourceError(f"{path} is not a homography; allowed: 3x3 numbers with an inverse")
     return matrix
+
+
+def _stored(path: Path) -> NDArray[np.float64]:
+    cv2 = opencv()
+    try:
+        # a node is of no use without its storage
+        storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
+        matrix = storage.getFirstTopLevelNode().mat()
+    except (SystemError, cv2.error) as error:
+        raise ValueError(f"{path} is not OpenCV's XML") from error
+    return np.asarray([] if matrix is None else matrix, np.float64)

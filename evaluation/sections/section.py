@@ -17,7 +17,7 @@ from golden import Parameters
 
 Progress = Callable[[str, int], AbstractContextManager[Notify]]
 """Called with a text and a number of steps; its result is called with the number of steps done."""
-Option = Literal["profiles", "images", "pairs", "videos", "boards"]
+Option = Literal["profiles", "images", "pairs", "videos", "boards", "hpatches"]
 Need = Literal["views", "videos", "photographs", "synthesis"]
 
 
@@ -35,12 +35,15 @@ class UserData:
         Pairs of frames without a homography.
     boards
         Photographs of chessboards, measured beside the rendered ones.
+    hpatches
+        Pairs of the dataset HPatches, prepared.
     """
 
     images: list[NamedImage] = field(default_factory=list)
     pairs: list[Pair] = field(default_factory=list)
     videos: list[Pair] = field(default_factory=list)
     boards: list[Board] = field(default_factory=list)
+    hpatches: list[Pair] = field(default_factory=list)
 
 
 def _silent(text: str, total: int) -> AbstractContextManager[Notify]:

@@ -199,7 +199,7 @@ def test_verilog(folder: Path, arguments: list[str], parts: list[str]) -> None:
             for command in ("detect good.png", "verilog", "package", "quartus export", "compare")
         ),
         *("detect <>", "simulate <>", "quartus report <>", "eval -o <>", "eval --images <>"),
-        *("eval --boards <>", "eval --pairs <>", "eval --video <>"),
+        *("eval --boards <>", "eval --pairs <>", "eval --video <>", "eval --hpatches <>"),
         *("synth --no-timing --netlist <>", "synth --no-timing --plot <>"),
     ],
 )

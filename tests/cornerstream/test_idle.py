@@ -64,8 +64,8 @@ NO_PAGE = f"{IDLE}without --page"
 AIMED = "--target-corners 9 --reference constant"
 CONSTANT = f"{IDLE}from --floor on, which is 1024"
 FLOOR = f"--floor is 99, {IDLE}with --reference previous, or above --constant, which is 8192"
-VIEWS = "with --only repeatability or robustness or downstream or ablation"
-PAIRS = "with --only repeatability or robustness or ablation"
+VIEWS = "with --only repeatability or hpatches or robustness or downstream or ablation"
+PAIRS = "with --only repeatability or hpatches or robustness or ablation"
 
 
 @pytest.mark.parametrize(
@@ -105,6 +105,7 @@ PAIRS = "with --only repeatability or robustness or ablation"
         ("eval --only accuracy --pairs boards", f"--pairs is boards, {IDLE}{PAIRS}"),
         ("eval --only repeatability --video a.mp4", f"{IDLE}with --only robustness or ablation"),
         ("eval --only accuracy --boards boards", f"--boards is boards, {IDLE}with --only chessboards"),
+        ("eval --only limits --hpatches boards", f"--hpatches is boards, {IDLE}with --only hpatches"),
         ("eval --board-size 9x6", f"--board-size is 9x6, {IDLE}with --boards"),
         ("eval --json --only ablation --profile paper", f"--profile is paper, {IDLE}with --only accuracy"),
         (

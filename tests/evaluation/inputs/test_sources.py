@@ -122,3 +122,17 @@ def test_homographies(tmp_path: Path) -> None:
             read_homography(good)
     with pytest.raises(SourceError, match=r"cannot be read as a homography; allowed: 3x3 numbers"):
         read_homography(tmp_path / "missing")
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("hello", "cannot be read as a homography"),
+        ('<?xml version="1.0"?>\n<opencv_storage></opencv_storage>', "is not a homography"),
+        ('<?xml version="1.0"?>\n<opencv_storage><a>3</a></opencv_storage>', "cannot be read"),
+    ],
+)
+def test_xml_without_a_homography(tmp_path: Path, text: str, problem: str) -> None:
+    (tmp_path / "H1to2p.xml").write_text(text)
+    with pytest.raises(SourceError, match=problem):
+        read_homography(tmp_path / "H1to2p.xml")
