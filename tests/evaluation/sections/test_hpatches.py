@@ -43,7 +43,8 @@ def test_command_on_the_layout(tmp_path: Path, camera: NDArray[np.uint8]) -> Non
     folder = write(tmp_path / "hpatches", camera[60:300, 100:420])
     (tmp_path / "photos").mkdir()
     Image.fromarray(camera[100:200, 150:270]).save(tmp_path / "photos" / "a.png")
-    result = run("--hpatches", str(folder), "--quick", "--json", "--images", str(tmp_path / "photos"))
+    data = ("--hpatches", str(folder), "--images", str(tmp_path / "photos"))
+    result = run(*data, "--profile", "robust", "--quick", "--json")
     assert result.exit_code == 0, result.output
     found = json.loads(result.stdout)["hpatches"]
     assert found["given"] is None and found["hpatches"]["pairs"] == 10
