@@ -70,8 +70,8 @@ class PacketConstructor(wiring.Component):
         A complete frame's end is taken from the detector.
     results
         ``results_layout()``: number of the next frame; corners of the last complete one, those of
-        them that were dropped, its largest response. They change with ``done`` and ``closed``,
-        before the packet's last beat has left.
+        them that were dropped, its largest response. They change with ``ended``, before that record
+        has left.
     any_results
         There has been a complete frame.
     events
@@ -128,7 +128,7 @@ class PacketConstructor(wiring.Component):
             events.records_dropped.eq(dropping | late),
         ]
         # a clock ahead; the number of records grows by one at most
-        with m.If(self.done | self.closed | self.clear):
+        with m.If(self.ended | self.clear):
             m.d.sync += [count.eq(0), dropped.eq(0)]
         with m.Elif(step):
             with m.If(full):
@@ -152,8 +152,6 @@ class PacketConstructor(wiring.Component):
                 self.o.payload.last.eq(timing | ((last | self.close) & ~self.send_time)),
                 timing.eq(self.ended & self.send_time),
             ]
-        with m.If(self.ended):
-            m.d.sync += cut.eq(self.close)
         with m.If(self.done):
             m.d.sync += [
                 results.corners.eq(found),
@@ -161,8 +159,8 @@ class PacketConstructor(wiring.Component):
                 results.maximum.eq(maximum),
                 self.any_results.eq(1),
             ]
-        with m.If(self.done | self.closed):
-            m.d.sync += results.frames.eq(results.frames + 1)
+        with m.If(self.ended):
+            m.d.sync += [results.frames.eq(results.frames + 1), cut.eq(self.close)]
         with m.If(self.clear):
             m.d.sync += [results.eq(0), self.any_results.eq(0)]
         probe(self, count=count, dropped=dropped, timing=timing, cut=cut)

@@ -16,6 +16,7 @@ from tests.formal.claims import Case, Claim, Fault, cases
 from tests.formal.design import Probes, probes_of
 from tests.formal.frames import LEAST, PARAMETERS, Place, allowed, guard_model, receiver, restarted_since_cut
 from tests.formal.properties import Scoreboard, free, invariant, moves, stable, within
+from tests.formal.test_packet_constructor import closes, is_time
 
 MOST = PARAMETERS.queue_depth + 30
 """Complete frames that the detector may hold; one more can be on its way to it."""
@@ -47,7 +48,8 @@ class VideoDetectorChecker(Elaboratable):
         self.restart, self.closing, opened = (self.inside[name] for name in ("restart", "closing", "opened"))
         self.complete = self.inside["inside"]
         self.open = open_ = Signal(16)
-        self.last = dut.records.payload.last
+        # of each packet, the beat that closes it is its end-of-frame record; a time may follow
+        self.last, self.time = closes(dut.records.payload.record), is_time(dut.records.payload.record)
         self.at_output = at_output = dut.records.valid & self.last
         self.others = others = (open_ - at_output)[: len(open_)]
         self.ends = ends = moves(dut.records) & self.last
@@ -72,7 +74,9 @@ class VideoDetectorChecker(Elaboratable):
         invariant(m, restarted == self.closing, "closing differs")
         invariant(m, ~(self.restart & self.closing), "a restart while closing")
         under_way = self.complete + guard.active + (guard.cut & ~restarted)
-        invariant(m, others == Mux(self.closing, opened, under_way), "frames in flight differ")
+        timing = packets_inside["timing"] & packets_inside["cut"]
+        invariant(m, others == Mux(self.closing, opened & ~timing, under_way), "frames in flight differ")
+        invariant(m, ~timing | self.closing, "a time is due for nothing")
         drained = self.complete == 0
         invariant(m, ~self.restart | self.asked | (guard.cut & drained), "a restart out of nothing")
         invariant(m, ~self.closing | drained, "a frame goes in while closing")
@@ -109,7 +113,7 @@ class VideoDetectorChecker(Elaboratable):
 
     def _frames(self, m: Module) -> None:
         """One closing beat for each frame."""
-        record = self.dut.records.valid & ~self.last
+        record = self.dut.records.valid & ~self.last & ~self.time
         m.d.comb += [
             Assert(~self.at_output | (self.open != 0), "a closing beat without a frame"),
             Assert(~record | (self.others != 0), "a record without a frame"),
@@ -123,18 +127,18 @@ class VideoDetectorChecker(Elaboratable):
         """No step takes for ever while the output is ready."""
         dut, guard, ready = self.dut, self.guard, self.dut.records.ready
         going = ready & ~self.restart & ~self.closing
-        within(m, 1, during=self.closing & ready, happens=guard.resume, name="closing does not end")
+        within(m, 3, during=self.closing & ready, happens=guard.resume, name="closing does not end")
         cut = guard.cut & ~self.restarted & (self.complete == 0) & ready
         within(m, 2, during=cut, happens=self.restart, name="a cut frame is not followed by a restart")
         within(
             m,
-            2 * LATE + 1,
+            2 * LATE + 2,
             during=(self.complete != 0) & going,
             happens=self.packets.done,
             name="a complete frame does not end",
         )
         video = dut.video.valid & going & ~guard.cut
-        within(m, 2 * LATE + 2, during=video, happens=dut.video.ready, name="video is not taken")
+        within(m, 2 * LATE + 3, during=video, happens=dut.video.ready, name="video is not taken")
 
     def _detector_holds(self, m: Module, sent: Place) -> None:
         """The detector has seen what the guard has sent, and the count of frames inside is true."""
@@ -200,14 +204,14 @@ class ResetChecker(VideoDetectorChecker):
         super()._progress(m)
         dut = self.dut
         asked = dut.control.reset & dut.records.ready
-        within(m, 5, during=asked, happens=dut.reset_done, name="a reset is not done")
+        within(m, 7, during=asked, happens=dut.reset_done, name="a reset is not done")
         m.d.comb += [
             Cover(dut.reset_done & self.packets.closed, "a reset closes a packet"),
             Cover(dut.reset_done & ~self.packets.closed, "a reset has nothing to close"),
         ]
 
 
-DEPTH = 2 * LATE + 3
+DEPTH = 2 * LATE + 4
 """One more than the longest wait: so all of a wait is in sight, and nothing need be said about its
 counters.
 """
