@@ -11,23 +11,9 @@ from numpy.typing import NDArray
 from evaluation.inputs.sources import STRUCTURE, NamedImage, Pair
 from evaluation.inputs.views import VIEWS, rendered_pairs
 from evaluation.methods.detectors import PLAIN
-from evaluation.sections.downstream import FAILED, MOVED, WHOLE, downstream, entrants, score, tables
-from golden import PROFILES, Parameters
-from tests.support import profiles
-
-
-def test_names_differ_and_every_profile_has_whole_pixels() -> None:
-    names = [each.name for each in entrants(profiles.ALL)]
-    assert len(set(names)) == len(names)
-    for name in PROFILES:
-        assert any(each.startswith(name) and each.endswith(WHOLE) for each in names)
-    assert {PLAIN, f"{PLAIN}, nine", "FAST by grid", "goodFeaturesToTrack, cornerSubPix"} < set(names)
-
-
-def test_no_corners_are_placed_twice_alike() -> None:
-    ours = [each for each in entrants(profiles.ALL) if not each.name.endswith(WHOLE)]
-    built = [each.detector.parameters for each in ours if hasattr(each.detector, "parameters")]
-    assert len(set(built)) == len(built) > 2 * len(PROFILES)
+from evaluation.methods.placing import entrants
+from evaluation.sections.downstream import FAILED, MOVED, downstream, score, tables
+from golden import Parameters
 
 
 def test_views_are_those_of_the_study() -> None:
