@@ -55,14 +55,13 @@ class Entrant(NamedTuple):
 def entrants(profiles: dict[str, Parameters]) -> list[Entrant]:
     """Ranking by D and each profile, placed by their own fit and by others; OpenCV's."""
     found: list[Entrant] = []
-    known: set[Parameters] = set()
+    known = {PLAIN_PARAMETERS, *profiles.values()}
     for name, parameters in {PLAIN: PLAIN_PARAMETERS, **profiles}.items():
         # the paper's filter takes away the strongest corners, and leaves too few
         filtered = parameters.algorithm.texture != "patches"
         own = name if filtered or name == PLAIN else name + WITHOUT
         detector = Ours(own, parameters, filtered=filtered)
         found += [Entrant(f"{own}, {WHOLE}", detector, _whole), Entrant(own, detector)]
-        known.add(parameters)
         for fit in FITS:
             other = parameters.changed(fit=fit)
             if other not in known:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from evaluation.figures import Figures
 from evaluation.inputs.scenes import KINDS
 from evaluation.inputs.sources import STRUCTURE, TEXTURE
-from evaluation.methods.detectors import MODES, USUAL
+from evaluation.methods.detectors import MODES, USUAL, WITHOUT
 from evaluation.methods.localisation import OPENCV
 from evaluation.presentation.markdown import markdown, titled
 from evaluation.presentation.modes import FEWEST
@@ -91,6 +92,7 @@ def _summary(study: Figures) -> Table | None:
         for part in ("all", TEXTURE, STRUCTURE):
             if part in equal[profiles[0]]:
                 rows.append([f"{words}, {part}", *(figure(equal[name][part][measure]) for name in names)])
+    rows += _uses(study, profiles)
     headings = [
         "medians; at equal numbers of corners",
         *profiles,
@@ -98,6 +100,22 @@ def _summary(study: Figures) -> Table | None:
         "FAST",
     ]
     return Table("Which profile for what", headings, rows)
+
+
+def _uses(study: Figures, profiles: list[str]) -> Iterator[list[str]]:
+    """What the corners of each profile give: homographies, and depth."""
+    if study.get("downstream"):
+        count, by_name = list(study["downstream"]["numbers"].items())[-1]
+        cells = (figure(by_name[name]["all"]["error"]) for name in _placed(by_name, profiles))
+        yield [f"error of homographies from {count} corners, px", *cells]
+    if study.get("reconstruction"):
+        by_name = study["reconstruction"]["detectors"]
+        yield ["error of depth, %", *(figure(by_name[name]["median"]) for name in _placed(by_name, profiles))]
+
+
+def _placed(found: Figures, profiles: list[str]) -> list[str]:
+    names = [name if name in found else name + WITHOUT for name in profiles]
+    return [*names, f"goodFeaturesToTrack, {OPENCV}", "FAST"]
 
 
 def _median(each: Figures) -> str:

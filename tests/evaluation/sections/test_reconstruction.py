@@ -32,7 +32,7 @@ def test_exact_partners_give_the_exact_depth(corners: np.ndarray) -> None:
     assert off_line(scene, corners, second + np.array([0, 1.5])) == pytest.approx(1.5, abs=0.2)
     inside = (second > 0).all(axis=1) & (second < (640, 480)).all(axis=1)
     cloud = reconstruct(scene, corners, second[inside])
-    assert len(cloud.points) > 60 and np.percentile(np.abs(cloud.errors), 90) < 1e-6
+    assert len(cloud.points) > 60 and np.percentile(np.abs(cloud.errors), 90) < 1e-4
 
 
 def test_partners_off_their_line_are_left_out(corners: np.ndarray) -> None:
@@ -40,7 +40,7 @@ def test_partners_off_their_line_are_left_out(corners: np.ndarray) -> None:
     moved = second + np.where(np.arange(len(second)) % 2, 0.0, 2.6)[:, None] * (0, 1)
     cloud = reconstruct(scene, corners, moved)
     assert 10 < len(cloud.points) < len(reconstruct(scene, corners, second).points) - 10
-    assert np.percentile(np.abs(cloud.errors), 80) < 0.02
+    assert np.percentile(np.abs(cloud.errors), 80) < 2
 
 
 def test_without_corners() -> None:
@@ -54,7 +54,7 @@ def test_wrong_points_are_counted_and_do_not_count() -> None:
     depths = np.full(4, 2.0)
     points = np.column_stack([np.zeros((4, 2)), 2 * np.array([1.01, 0.98, 1.03, 1.5])])
     found = summary([Cloud(np.zeros((4, 2)), points, depths)])
-    assert found["points"] == 4 and found["wrong"]["value"] == 0.25
-    assert found["median"]["value"] == pytest.approx(0.02)
+    assert found["points"] == 4 and found["wrong"]["value"] == 25
+    assert found["median"]["value"] == pytest.approx(2)
     (row,) = tables({"detectors": {"robust": found}})["depth"].rows
     assert list(row) == ["robust", "4", "2.00", "2.90", "25.0"]
