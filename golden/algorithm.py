@@ -16,6 +16,7 @@ Derivative = Literal["central", "sobel"]
 ResponseFilter = Literal["none", "binomial"]
 Ties = Literal["strict", "first"]
 Fit = Literal["nine", "six", "printed", "gradient"]
+Divider = Literal["serial", "table"]
 Patches = Literal["regions", "pixels"]
 Texture = Literal["patches", "mean", "none"]
 
@@ -62,6 +63,10 @@ class Algorithm:
         fits no surface: it is one step to the point to which the gradients of the 7x7 window
         around the candidate are orthogonal, always with signed products, and needs pixels beside
         the responses.
+    divider
+        Quotients of the subpixel step. ``"table"``: by a table of reciprocals, as the paper has it,
+        with an error below 1/128 pixel; ``"serial"``: a bit after the other, exact and rounded to
+        1/128 pixel.
     texture
         Texture filter. ``"patches"``: the paper's, Eqs. 6-9. ``"mean"``: an adaptive threshold, see
         ``golden.adaptive_threshold``: a corner's response must be above T1 by sigma2 times the
@@ -104,6 +109,11 @@ class Algorithm:
         "nine",
         "Subpixel step: a surface through nine or six responses, or along the gradients; 'printed' is the "
         "paper's misprint (golden model only).",
+    )
+    divider: Divider = option(
+        "table",
+        "Quotients of the subpixel step: by a table of reciprocals, as the paper has it, or a bit after the "
+        "other and exact.",
     )
     texture: Texture = option(
         "patches",
@@ -177,6 +187,7 @@ PROFILES: dict[str, Algorithm] = {
         response_filter="binomial",
         ties="first",
         fit="gradient",
+        divider="serial",
         texture="mean",
     ),
 }

@@ -1,8 +1,7 @@
-"""Divider (Sec. 4.4): quotients up to a limit, rounded to 1/128.
+"""Serial divider: quotients up to a limit, rounded to 1/128.
 
-The paper looks reciprocals up in a table. Here the bits of the quotient are found one after the
-other, each by one subtraction, as in the square root. There are a few clocks for each corner, so
-this takes fewer cells than the multiplier beside a table and no memory, and it is exact.
+The bits of the quotient are found one after the other, each by one subtraction, as in the square
+root. This takes no memory and is exact. ``golden.table_divider`` is the paper's way (Sec. 4.4).
 """
 
 from __future__ import annotations

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden import normal_equations
-from golden.algorithm import Fit
+from golden.algorithm import Divider, Fit
 from golden.derivatives import Derivatives
 from golden.divider import HALF, divide, reaches
 from golden.formats import OFFSET_BITS
 from golden.parameters import Parameters
 from golden.preprocessing import Image, IntArray
+from golden.table_divider import divide_by_table
 
 Int64 = NDArray[np.int64]
 
@@ -191,7 +192,13 @@ def bit_length(values: Int64) -> Int64:
 
 
 def peak(
-    values: Derivatives[Int64], bits: int, mantissa_bits: int, limit: int, *, printed: bool = False
+    values: Derivatives[Int64],
+    bits: int,
+    mantissa_bits: int,
+    limit: int,
+    *,
+    divider: Divider = "serial",
+    printed: bool = False,
 ) -> Offset:
     """Stationary point of the surface (Eq. 13) where that is a maximum, clamped to ``limit``.
 
@@ -213,6 +220,9 @@ def peak(
 
     def quotient(products: Int64) -> tuple[Int64, NDArray[np.bool_]]:
         numerator = np.where(usable, np.sign(denominator) * products, 0)
+        if divider == "table":
+            # without a maximum the mantissas' signs let a denominator be twice as large
+            return divide_by_table(numerator, divisor, 2 * (mantissa_bits + printed), limit)
         return divide(numerator, divisor, limit), reaches(numerator, divisor, limit)
 
     dx, beyond_x = quotient(yy * (xy if printed else x) + xy * y)
@@ -237,4 +247,11 @@ def subpixel(responses: IntArray, parameters: Parameters, pixels: Image | None =
     """
     fit = FITS[parameters.algorithm.fit]
     values = fit.derivatives(responses, pixels)
-    return peak(values, derivative_bits(parameters), fit.mantissa_bits, fit.limit, printed=fit.printed)
+    return peak(
+        values,
+        derivative_bits(parameters),
+        fit.mantissa_bits,
+        fit.limit,
+        divider=parameters.algorithm.divider,
+        printed=fit.printed,
+    )

@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Subpixel refinement (Sec. 3.4, Fig. 13): a candidate's offset (Eq. 13), a bit per clock."""
+"""Subpixel refinement (Sec. 3.4, Fig. 13): a candidate's offset (Eq. 13)."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from golden.derivatives import Derivatives
 from golden.divider import quotient_bits
 from golden.parameters import Parameters
 from golden.subpixel import FITS, derivative_bits
-from hdl.divider import Divider
+from hdl.dividers import DIVIDERS
 from hdl.fits import derivatives_layout, equations_block
-from hdl.parts.arithmetic import add_with_carry, magnitude
+from hdl.parts.arithmetic import add_with_carry
 
 
 def offset_layout(fit: Fit = "nine") -> data.StructLayout:
@@ -29,13 +29,14 @@ class Subpixel(wiring.Component):
     """Offset of a candidate's corner: the peak of the fitted surface, or the gradient step.
 
     Three stages, each with a candidate of its own: the derivatives are shifted up until the largest
-    is at the top; products of mantissas are added up bit by bit; both quotients are found bit by
-    bit. All move on together every ``interval`` clocks.
+    is at the top; products of mantissas are added up bit by bit; both quotients are found at once
+    by the divider. All move on together every ``interval`` clocks.
 
     Parameters
     ----------
     parameters
-        Parameters of the detector; ``fit`` and the fields that decide its formats matter.
+        Parameters of the detector; ``fit``, ``divider`` and the fields that decide the formats
+        matter.
     mantissa_bits
         Bits of a mantissa; by default those of ``golden.subpixel.FITS``.
 
@@ -54,10 +55,7 @@ class Subpixel(wiring.Component):
         golden_fit = FITS[parameters.algorithm.fit]
         self._mantissa_bits = mantissa_bits or golden_fit.mantissa_bits
         self._shifts = max(derivative_bits(parameters) - self._mantissa_bits, 0)
-        # sums of two products, each below 2**(2·mantissa bits)
-        self._sum_bits = 2 * self._mantissa_bits + 1
-        self._quotient_bits = quotient_bits(golden_fit.limit)
-        self._dividers = {axis: Divider(self._sum_bits, self._quotient_bits) for axis in "xy"}
+        self._divider = DIVIDERS[parameters.algorithm.divider](self._mantissa_bits, golden_fit.limit)
         super().__init__(
             {
                 "i": In(stream.Signature(layout)),
@@ -68,7 +66,7 @@ class Subpixel(wiring.Component):
     @property
     def interval(self) -> int:
         """Clocks from one candidate to the next."""
-        return 1 + max(self._shifts, self._mantissa_bits + 2, self._quotient_bits)
+        return 1 + max(self._shifts, self._mantissa_bits + 2, self._divider.clocks)
 
     @property
     def latency(self) -> int:
@@ -101,9 +99,9 @@ class Subpixel(wiring.Component):
             ]
         mantissas = self._shift(m, move, phase)
         sums = self._multiply(m, move, phase, mantissas)
-        offset = self._divide(m, move, phase, mantissas, sums)
+        self._divide(m, move, phase, divided, mantissas, sums)
         with m.If(move & divided):
-            m.d.sync += [self.o.valid.eq(1), self.o.payload.eq(offset)]
+            m.d.sync += self.o.valid.eq(1)
         return m
 
     def _shift(self, m: Module, move: Value, phase: Value) -> Derivatives[Value]:
@@ -161,43 +159,38 @@ class Subpixel(wiring.Component):
         return results
 
     def _divide(
-        self, m: Module, move: Value, phase: Value, mantissas: Derivatives[Value], sums: dict[str, Value]
-    ) -> Value:
-        """Both quotients at once, by the same denominator; returns the offset.
-
-        Where a numerator is the most negative number, which has no magnitude, the surface has no
-        peak.
-        """
-        bits, found = self._sum_bits, self._quotient_bits
+        self,
+        m: Module,
+        move: Value,
+        phase: Value,
+        divided: Value,
+        mantissas: Derivatives[Value],
+        sums: dict[str, Value],
+    ) -> None:
+        """Both quotients at once, by the same denominator: the offset."""
+        m.submodules.divider = divider = self._divider
         concave, peak = Signal(reset_less=True), Signal(reset_less=True)
-        denominator = Signal(bits, reset_less=True)
+        offset = self.o.payload
+        take = move & divided
         with m.If(move):
             m.d.sync += [
                 concave.eq(~mantissas.xx[-1]),
                 peak.eq(concave & ~sums["denominator"][-1] & sums["denominator"].any()),
-                denominator.eq(sums["denominator"]),
             ]
-        offset = Signal(offset_layout(self._fit))
-        reached = []
-        for axis, divider in self._dividers.items():
-            m.submodules[f"divider_{axis}"] = divider
-            negative = Signal(name=f"negative_{axis}", reset_less=True)
-            with m.If(move):
-                m.d.sync += negative.eq(sums[axis][-1])
-            m.d.comb += [
-                divider.load.eq(move),
-                divider.enable.eq(phase < found),
-                divider.numerator.eq(magnitude(sums[axis][: bits + 1].as_signed())),
-                divider.denominator.eq(denominator),
-            ]
-            # half of it, rounded away from zero: for a negative one, minus the quotient rounded
-            # down
-            rounded = Cat(divider.quotient ^ negative.replicate(found), negative) + 1
-            result = rounded[1 : found + 1] & peak.replicate(found)
-            m.d.comb += offset[f"d{axis}"].eq(result)
-            reached.append(divider.reached)
-        m.d.comb += [offset.clamped.eq(peak & (reached[0] | reached[1])), offset.not_maximum.eq(~peak)]
-        return offset
+        with m.If(take):
+            m.d.sync += offset.not_maximum.eq(~peak)
+        m.d.comb += [
+            divider.load.eq(move),
+            divider.phase.eq(phase),
+            divider.numerator.x.eq(sums["x"]),
+            divider.numerator.y.eq(sums["y"]),
+            divider.denominator.eq(sums["denominator"]),
+            divider.usable.eq(peak),
+            divider.take.eq(take),
+            offset.dx.eq(divider.quotient.x),
+            offset.dy.eq(divider.quotient.y),
+            offset.clamped.eq(divider.reached),
+        ]
 
 
 def _accumulate(m: Module, added: Signal, bits: int, name: str, *, clear: Value, enable: Value) -> Value:

@@ -178,7 +178,9 @@ class Chance(Detector):
 
 WITHOUT = " without filter"
 PLAIN = "ranking by D"
-PLAIN_PARAMETERS = Parameters.profile("paper", gradient="signed", ties="first", fit="gradient")
+PLAIN_PARAMETERS = Parameters.profile(
+    "paper", gradient="signed", ties="first", fit="gradient", divider="serial"
+)
 
 
 def detectors(profiles: dict[str, Parameters]) -> list[Detector]:

@@ -16,6 +16,7 @@ OPTIONS = (
     (11, "patches_pixels", "patches", "pixels", "The texture filter compares pixels, not regions."),
     (12, "lean", "buffering", "lean", "The buffers are lean ones, not banked ones."),
     (13, "video_out", "video_out", True, "The pixels are passed on."),
+    (15, "divider_table", "divider", "table", "Quotients come from a table of reciprocals."),
     (20, "sobel", "derivative", "sobel", "Gradients are smoothed across."),
     (21, "response_filter", "response_filter", "binomial", "Responses are smoothed."),
     (

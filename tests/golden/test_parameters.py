@@ -223,6 +223,7 @@ def test_profiles() -> None:
         response_filter="binomial",
         ties="first",
         fit="gradient",
+        divider="serial",
         texture="mean",
     )
     assert Parameters.profile("robust") == robust

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from golden.algorithm import Fit
+from golden.algorithm import Divider, Fit
 from golden.corner_detection import corner_detection
 from golden.divider import HALF
 from golden.frame import response_map
@@ -82,12 +82,16 @@ def test_fit_recovers_the_coefficients_of_a_paraboloid(fit, scale: int) -> None:
     assert [int(value) for value in fitted] == [scale * value for value in PEAK_AT_03_02[:5]]
 
 
-@pytest.mark.parametrize("fit", ["nine", "six"])
-def test_fit_recovers_the_peak_of_a_paraboloid(fit: Fit) -> None:
-    patches, parameters = samples(*PEAK_AT_03_02)[None], Parameters.profile("paper", fit=fit)
+@pytest.mark.parametrize(
+    ("fit", "divider", "dx"),
+    [("nine", "serial", 38), ("six", "serial", 38), ("nine", "table", 38), ("six", "table", 39)],
+)
+def test_fit_recovers_the_peak_of_a_paraboloid(fit: Fit, divider: Divider, dx: int) -> None:
+    patches = samples(*PEAK_AT_03_02)[None]
+    parameters = Parameters.profile("paper", fit=fit, divider=divider)
     offset = subpixel(patches, parameters)
     # 38.4 and -25.6 of 128
-    assert (offset.dx[0], offset.dy[0]) == (38, -26)
+    assert (offset.dx[0], offset.dy[0]) == (dx, -26)
     assert exact_peaks(patches, parameters)[:2] == (pytest.approx(0.3), pytest.approx(-0.2))
     assert not offset.clamped[0] and not offset.not_maximum[0]
 

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from golden.algorithm import Fit
+from golden.algorithm import Divider, Fit
 from golden.derivatives import Derivatives
 from golden.normal_equations import normal_equations
 from golden.subpixel import FITS as GOLDEN_FITS
@@ -20,10 +20,13 @@ from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
 from tests.support.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, Array, check_block, latency, unpack
 
-SURFACES: list[Fit] = ["nine", "six"]
 Y, X = np.mgrid[-1:2, -1:2]
-every_fit = pytest.mark.parametrize("fit", SURFACES)
-with_step = pytest.mark.parametrize("fit", [*SURFACES, "gradient"])
+# each fit with a divider, and each divider with a fit: they meet in a few signals only
+every_fit = pytest.mark.parametrize(("fit", "divider"), [("nine", "table"), ("six", "serial")])
+with_step = pytest.mark.parametrize(
+    ("fit", "divider"),
+    [("nine", "table"), ("six", "serial"), ("gradient", "serial"), ("gradient", "table")],
+)
 every_width = pytest.mark.parametrize("pixel_bits", [4, 8, 10])
 
 
@@ -33,10 +36,12 @@ def check(
     name: EngineName = "compiled",
     stalls: Stalls = NO_STALLS,
     pixel_bits: int = 8,
+    divider: Divider = "table",
 ) -> Capture:
     """``patches``: (n, 3, 3)."""
     assert patches.min() >= 0 and patches.max() <= Build.profile("paper", pixel_bits=pixel_bits).response_max
-    return check_derivatives(fit, GOLDEN_FITS[fit].derivatives(patches, None), name, stalls, pixel_bits)
+    values = GOLDEN_FITS[fit].derivatives(patches, None)
+    return check_derivatives(fit, values, name, stalls, pixel_bits, divider)
 
 
 def check_derivatives(
@@ -45,11 +50,15 @@ def check_derivatives(
     name: EngineName = "compiled",
     stalls: Stalls = NO_STALLS,
     pixel_bits: int = 8,
+    divider: Divider = "table",
 ) -> Capture:
     """``values`` as the golden model has them."""
-    parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", fit=fit, divider=divider, pixel_bits=pixel_bits)
     formats = equations_block(parameters).formats(parameters)
-    offset = peak(values, derivative_bits(parameters), GOLDEN_FITS[fit].mantissa_bits, GOLDEN_FITS[fit].limit)
+    golden_fit = GOLDEN_FITS[fit]
+    offset = peak(
+        values, derivative_bits(parameters), golden_fit.mantissa_bits, golden_fit.limit, divider=divider
+    )
     fields = {
         "dx": offset.dx,
         "dy": offset.dy,
@@ -113,20 +122,22 @@ def named(largest: int) -> Array:
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 @every_fit
-def test_peaks(fit: Fit, name: EngineName, stalls: Stalls) -> None:
+def test_peaks(fit: Fit, divider: Divider, name: EngineName, stalls: Stalls) -> None:
     count = 2000 if name == "compiled" else 60
     full = Build.profile("paper").response_max
-    capture = check(fit, np.concatenate([peaks(count, full), paraboloids(count, full)]), name, stalls)
+    capture = check(
+        fit, np.concatenate([peaks(count, full), paraboloids(count, full)]), name, stalls, divider=divider
+    )
     if not stalls.outputs:
         # starved or not: never longer, and the next one when this one has moved on
-        block = Subpixel(Build.profile("paper", fit=fit))
+        block = Subpixel(Build.profile("paper", fit=fit, divider=divider))
         assert (latency(capture) == block.latency).all()
         assert (np.diff(capture.input_clocks["i"]) >= block.interval).all()
 
 
 @every_fit
 @every_width
-def test_many_patches(fit: Fit, pixel_bits: int) -> None:
+def test_many_patches(fit: Fit, divider: Divider, pixel_bits: int) -> None:
     full = Build.profile("paper", pixel_bits=pixel_bits).response_max
     rng = np.random.default_rng(pixel_bits)
     anything = rng.integers(0, full, (20_000, 3, 3), endpoint=True)
@@ -134,7 +145,7 @@ def test_many_patches(fit: Fit, pixel_bits: int) -> None:
     patches = [peaks(20_000, full, 1), peaks(20_000, 9, 2), paraboloids(30_000, full, 3), anything, small]
     # responses of every height: every shift
     patches += [peaks(500, full >> k, k) for k in range(full.bit_length() - 1)]
-    capture = check(fit, np.concatenate(patches), pixel_bits=pixel_bits)
+    capture = check(fit, np.concatenate(patches), pixel_bits=pixel_bits, divider=divider)
     seen = unpack(offset_layout(), capture.outputs["o"])
     inside = ~(seen["clamped"] | seen["not_maximum"]).astype(bool)
     # the test would say nothing if these did not occur
@@ -145,18 +156,18 @@ def test_many_patches(fit: Fit, pixel_bits: int) -> None:
 
 @every_fit
 @every_width
-def test_extremes(fit: Fit, pixel_bits: int) -> None:
+def test_extremes(fit: Fit, divider: Divider, pixel_bits: int) -> None:
     """Every patch of nothing but 0 and full scale: all 512, and the named ones."""
     full = Build.profile("paper", pixel_bits=pixel_bits).response_max
     corners = np.array(list(product((0, full), repeat=9))).reshape(-1, 3, 3)
-    check(fit, np.concatenate([corners, named(full)]), pixel_bits=pixel_bits)
+    check(fit, np.concatenate([corners, named(full)]), pixel_bits=pixel_bits, divider=divider)
 
 
 @with_step
 @every_width
-def test_any_derivatives(fit: Fit, pixel_bits: int) -> None:
+def test_any_derivatives(fit: Fit, divider: Divider, pixel_bits: int) -> None:
     """Values that no patch has: each of the five at its ends, around 0, and of every length."""
-    parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", fit=fit, divider=divider, pixel_bits=pixel_bits)
     rng = np.random.default_rng(pixel_bits)
     values = []
     formats = equations_block(parameters).formats(parameters)
@@ -168,7 +179,7 @@ def test_any_derivatives(fit: Fit, pixel_bits: int) -> None:
         # curvatures and slopes whose products nearly cancel
         near = (top >> 3) - rng.integers(0, 1 << rng.integers(1, field.width - 4, 20_000))
         values.append(np.concatenate([ends, anything, lengths, near]) << form.zeros)
-    capture = check_derivatives(fit, Derivatives(*values), pixel_bits=pixel_bits)
+    capture = check_derivatives(fit, Derivatives(*values), pixel_bits=pixel_bits, divider=divider)
     seen = unpack(offset_layout(fit), capture.outputs["o"])
     assert (
         seen["clamped"].any()
@@ -179,7 +190,7 @@ def test_any_derivatives(fit: Fit, pixel_bits: int) -> None:
 
 @every_fit
 @pytest.mark.parametrize("name", ENGINES)
-def test_by_hand(fit: Fit, name: EngineName) -> None:
+def test_by_hand(fit: Fit, divider: Divider, name: EngineName) -> None:
     """4000 - 1000x² - 1500y² + 200xy + 640x - 660y peaks at (0.3, -0.2): 38.4 and -25.6 of 128.
 
     With -200 xy and +660 y it is at (0.3, 0.2).
@@ -189,7 +200,9 @@ def test_by_hand(fit: Fit, name: EngineName) -> None:
     flat, ridge, bowl = X * 0 + 9, 5 - X * X, X * X + Y * Y
     steep = 100 * (4 - (X - 1) * (X - 1) - Y * Y)
     half = 200 - 64 * (X * X + Y * Y) - 64 * Y
-    capture = check(fit, np.stack([surface, flat, ridge, bowl, steep + 200, half, other]), name)
+    capture = check(
+        fit, np.stack([surface, flat, ridge, bowl, steep + 200, half, other]), name, divider=divider
+    )
     seen = unpack(offset_layout(), capture.outputs["o"])
     assert seen["dx"].tolist() == [38, 0, 0, 0, 64, 0, 38]
     # nine points give larger numbers, of which more is cut: 25 is nearer to what is left
@@ -199,12 +212,12 @@ def test_by_hand(fit: Fit, name: EngineName) -> None:
 
 
 @every_fit
-def test_lone_candidates(fit: Fit) -> None:
+def test_lone_candidates(fit: Fit, divider: Divider) -> None:
     """Each finds the unit idle, and leaves it idle: nothing of one is left for the next."""
     full = Build.profile("paper").response_max
     patches = np.concatenate([named(full), peaks(300, full)])
-    capture = check(fit, patches, stalls=Stalls(inputs=0.995, seed=1))
-    block = Subpixel(Build.profile("paper", fit=fit))
+    capture = check(fit, patches, stalls=Stalls(inputs=0.995, seed=1), divider=divider)
+    block = Subpixel(Build.profile("paper", fit=fit, divider=divider))
     assert (latency(capture) == block.latency).all()
     assert np.quantile(np.diff(capture.input_clocks["i"]), 0.5) > block.latency
 
@@ -224,7 +237,9 @@ def test_gradient_steps(name: EngineName, stalls: Stalls) -> None:
     pixels += rng.integers(0, 1 + (255 - contrast) // 8, pixels.shape)
     # without any gradient, and with parallel ones
     pixels[7], pixels[8] = 7, 3 * np.arange(9)
-    capture = check_derivatives("gradient", normal_equations(pixels.astype(np.uint8)), name, stalls)
+    capture = check_derivatives(
+        "gradient", normal_equations(pixels.astype(np.uint8)), name, stalls, divider="serial"
+    )
     seen = unpack(offset_layout("gradient"), capture.outputs["o"])
     inside = ~(seen["clamped"] | seen["not_maximum"]).astype(bool)
     assert inside.any()
@@ -234,16 +249,18 @@ def test_gradient_steps(name: EngineName, stalls: Stalls) -> None:
 
 
 def test_latency_of_the_gradient_step() -> None:
-    """24 bits, of which 12 go on."""
-    block = Subpixel(Build.profile("paper", fit="gradient"))
+    """24 bits, of which 12 go on; seven digits of a reciprocal take a clock more."""
+    block = Subpixel(Build.profile("paper", fit="gradient", divider="serial"))
     assert block.interval == 15 and block.latency == 46
+    block = Subpixel(Build.profile("paper", fit="gradient", divider="table"))
+    assert block.interval == 16 and block.latency == 49
 
 
 @every_fit
 @every_width
-def test_latency(fit: Fit, pixel_bits: int) -> None:
+def test_latency(fit: Fit, divider: Divider, pixel_bits: int) -> None:
     """A clock per cut bit in the first stage, bits and one in the second, and one to move on."""
-    parameters = Build.profile("paper", fit=fit, pixel_bits=pixel_bits)
+    parameters = Build.profile("paper", fit=fit, divider=divider, pixel_bits=pixel_bits)
     block = Subpixel(parameters)
     assert block.interval == 1 + max(derivative_bits(parameters) - 10, 12)
     assert block.latency == 3 * block.interval + 1

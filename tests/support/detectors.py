@@ -29,7 +29,13 @@ MIXTURES = {
         "paper", **SMALL, buffering="lean", fit="six", patches="pixels", sqrt_bits_per_stage=3
     ),
     "robust banked, six samples": Build.profile(
-        "robust", **SMALL, buffering="banked", fit="six", texture="patches", sqrt_bits_per_stage=2
+        "robust",
+        **SMALL,
+        buffering="banked",
+        fit="six",
+        divider="table",
+        texture="patches",
+        sqrt_bits_per_stage=2,
     ),
     "paper, gradient step, adaptive threshold": Build.profile(
         "paper", **SMALL, fit="gradient", texture="mean"
@@ -43,6 +49,7 @@ MIXTURES = {
         pixel_bits=4,
         derivative="sobel",
         ties="first",
+        divider="serial",
         suppression=2,
         sqrt_bits_per_stage=17,
     ),

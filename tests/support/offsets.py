@@ -4,7 +4,7 @@ Mantissas are whole numbers: each stands for a value less than one above it, so 
 [[xx, -xy], [-xy, yy]] of mantissas is off by E with norm 2 at most, and slopes by e with norm
 sqrt(2). With q the peak by H and p the exact one, H (q - p) = E p - e, and so |q - p| <= (sqrt(2) +
 2 |p|) / l with l the smaller eigenvalue of H. Values of as many bits or less are not cut, and
-exact. The quotient is rounded to 1/128.
+exact. The quotient is rounded to 1/128; by the table of reciprocals it is up to 1/128 off.
 """
 
 from __future__ import annotations
@@ -14,11 +14,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.algorithm import Divider
 from golden.derivatives import Derivatives
 from golden.formats import OFFSET_BITS
 from golden.parameters import Parameters
 from golden.preprocessing import IntArray
 from golden.subpixel import FITS, derivative_bits, mantissas
+
+DIVIDER_ERRORS: dict[Divider, float] = {"serial": 1 / 256, "table": 1 / 128}
+"""Largest error of a quotient, in pixels."""
 
 Float64 = NDArray[np.float64]
 Int64 = NDArray[np.int64]
@@ -62,7 +66,7 @@ def offset_bounds(values: Derivatives[Int64], parameters: Parameters) -> Float64
     sure = maximum & (smaller > 2 * cut)
     with np.errstate(divide="ignore", invalid="ignore"):
         by_cut = cut * (np.sqrt(2) + 2 * np.hypot(x, y)) / smaller
-    return np.where(sure, by_cut + 1 / 256, np.inf)
+    return np.where(sure, by_cut + DIVIDER_ERRORS[parameters.algorithm.divider], np.inf)
 
 
 def _peaks(

@@ -76,6 +76,7 @@ def detectors(**fixed: Any) -> st.SearchStrategy[Parameters]:
         "response_filter": st.sampled_from(("none", "binomial")),
         "ties": st.sampled_from(("strict", "first")),
         "fit": st.sampled_from(("nine", "six", "gradient")),
+        "divider": st.sampled_from(("table", "serial")),
         "texture": st.sampled_from(("patches", "mean", "none")),
         "patches": st.sampled_from(("regions", "pixels")),
         "suppression": st.sampled_from((1, 1, 2, 3, 4)),

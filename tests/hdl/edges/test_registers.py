@@ -74,9 +74,9 @@ def test_every_event_has_its_bit_in_status() -> None:
 
 def test_capability() -> None:
     known = {name: registers(parameters)["CAPABILITY"].reset for name, parameters in BUILDS.items()}
-    assert known["paper"] == 1 | 8 << 4 | 1 << 16
+    assert known["paper"] == 1 | 8 << 4 | 1 << 15 | 1 << 16
     assert known["robust"] == 1 | 8 << 4 | 0b110011 << 8 | 2 << 16 | 0b111 << 20
-    assert known["odd"] == 1 | 10 << 4 | 0b001100 << 8
+    assert known["odd"] == 1 | 10 << 4 | 0b10001100 << 8
     assert registers(BUILDS["odd"])["CONTROL"].reset == 1 and registers()["CONTROL"].reset == 0
     assert registers()["ID"].reset == IDENTITY == 0x434F524E
     assert registers(BUILDS["robust"])["SIZE_MAX"].reset == 640 | 480 << 16
