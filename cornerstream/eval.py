@@ -112,9 +112,9 @@ def evaluate(
     """Measure how good the corners are, and print it beside the paper's and OpenCV's.
 
     Accuracy on rendered corners and chessboards, the paper's Table 5, repeatability on views of
-    photographs, the paper's robustness on videos, and more, for every profile, with 95 %
-    intervals. All of it takes about ten minutes; --only chooses. Needs OpenCV, scikit-learn,
-    scikit-video and yosys (pip install 'cornerstream[eval]').
+    photographs, the paper's robustness on videos, homographies and depth from matched corners, and
+    more, for every profile, with 95 % intervals. All of it takes about ten minutes; --only chooses.
+    Needs OpenCV, scikit-learn, scikit-video and yosys (pip install 'cornerstream[eval]').
 
     \b
     Examples:
