@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from amaranth.hdl import Module, Mux, Signal, Value
-from amaranth.lib import stream, wiring
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.adaptive_threshold import LEVEL_SHIFT
@@ -15,7 +15,6 @@ from hdl.centre_rows import centre_size
 from hdl.parts.outgoing_column import outgoing_column
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.sample import response_layout, responses, sample_layout
-from hdl.texture_filter import texture_layout
 from hdl.thresholds import thresholds_layout
 
 
@@ -46,11 +45,16 @@ class AdaptiveThreshold(wiring.Component):
         Stream of ``thresholds_layout(parameters)``, one per frame, taken with the frame's last
         result.
     o
-        Stream of ``Beat(texture_layout(parameters))``.
+        Stream of ``Beat(AdaptiveThreshold.verdict(parameters))``.
     """
 
     latency = 5
     reads = "columns"
+
+    @staticmethod
+    def verdict(parameters: Parameters) -> data.StructLayout:
+        """Is a window's centre textured, is it reported, and T, or 0 where that is negative."""
+        return data.StructLayout({"textured": 1, "keep": 1, "response": parameters.response_bits})
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
@@ -60,7 +64,7 @@ class AdaptiveThreshold(wiring.Component):
                 "i": In(stream.Signature(Columns(sample_layout(parameters), WINDOW_SIZE))),
                 "centres": In(stream.Signature(Columns(response_layout(parameters), self._rows))),
                 "thresholds": In(stream.Signature(thresholds_layout(parameters))),
-                "o": Out(stream.Signature(Beat(texture_layout(parameters)))),
+                "o": Out(stream.Signature(Beat(self.verdict(parameters)))),
             }
         )
 

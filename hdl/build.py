@@ -31,8 +31,8 @@ class Build(Parameters):
         Corners that can wait for the subpixel refinement, 8 to 1024, before the input has to.
         Hardware only: changes delays, never a record.
     video_out
-        Pass the pixels on, with a corner flag. Hardware only; takes 7 rows of block RAM
-        (``"lean"``) or 9.
+        Pass the pixels on, as they came, with a corner flag. Hardware only; takes as many rows of
+        block RAM as the algorithm's margin has, and with ``"banked"`` one more for each buffer.
     autostart
         Start enabled, with the settings of ``Settings.default`` and the largest frame, for designs
         that write no register. Hardware only.

@@ -1,8 +1,8 @@
-"""Candidate selection: joins corner detection, texture filter and surface fit."""
+"""Candidate selection: joins corner detection, texture filter and subpixel equations."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from amaranth.hdl import C, Module, Mux, Signal, Value
 from amaranth.lib import data, stream, wiring
@@ -11,6 +11,7 @@ from amaranth.lib.wiring import In, Out
 from golden.formats import BUDGET_BITS, COORDINATE_BITS, OFFSET_BITS
 from golden.output_constructor import COUNT_BITS
 from golden.parameters import Parameters
+from golden.textures import TEXTURES
 from hdl.build import Build
 from hdl.corner_detection import corner_layout
 from hdl.fits import derivatives_layout
@@ -18,7 +19,7 @@ from hdl.parts.optional import optional
 from hdl.parts.probes import probe
 from hdl.parts.queue import Queue
 from hdl.parts.stream import Beat
-from hdl.texture_filter import texture_layout
+from hdl.textures import texture_layout
 
 PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
 
@@ -51,6 +52,15 @@ INSIDE = 4
 """Candidates inside the subpixel refinement and at its end: their pending records wait too."""
 
 
+class _Verdict(NamedTuple):
+    """What the texture filter says; without one, every corner is kept."""
+
+    textured: Value
+    keep: Value
+    response: Value
+    """The response in a record: that of the texture filter, if it gives one."""
+
+
 class CandidateSelection(wiring.Component):
     """Selects the window centres that are reported: corners that the texture filter accepts.
 
@@ -70,8 +80,8 @@ class CandidateSelection(wiring.Component):
     corners
         Stream of ``Beat(corner_layout(parameters))`` from corner detection.
     textures
-        Stream of ``Beat(texture_layout(parameters))`` from the texture filter, for the same centres
-        in the same clocks.
+        With a texture filter only: stream of ``Beat(texture_layout(parameters))``, for the same
+        centres in the same clocks.
     surfaces
         Stream of ``derivatives_layout(parameters)`` from the surface fit, for the same centres in
         the same clocks.
@@ -98,12 +108,12 @@ class CandidateSelection(wiring.Component):
 
     def __init__(self, parameters: Build) -> None:
         self._parameters = parameters
-        texture = texture_layout(parameters)
-        surface = derivatives_layout(parameters)
+        texture, surface = texture_layout(parameters), derivatives_layout(parameters)
+        self._filtered = bool(texture.members)
         super().__init__(
             {
                 "corners": In(stream.Signature(Beat(corner_layout(parameters)))),
-                "textures": In(stream.Signature(Beat(texture))),
+                **optional(self._filtered, textures=In(stream.Signature(Beat(texture)))),
                 "surfaces": In(stream.Signature(surface)),
                 "candidate": Out(stream.Signature(surface)),
                 "pending": Out(stream.Signature(pending_record_layout(parameters))),
@@ -135,12 +145,14 @@ class CandidateSelection(wiring.Component):
         flags_room = self._corner_flags(m, step, allowed) if p.video_out else C(1)
         m.d.sync += room.eq(candidates.room & pending.room & flags_room)
         m.d.comb += [
-            *(source.ready.eq(room) for source in (self.corners, self.textures, self.surfaces)),
+            *(source.ready.eq(room) for source in (self.corners, self.surfaces)),
             step.eq(self.corners.valid & room),
             self.last.eq(step & self.corners.payload.eof),
         ]
+        if self._filtered:
+            m.d.comb += self.textures.ready.eq(room)
         self._largest(m, step)
-        corner, texture = self.corners.payload.data, self.textures.payload.data
+        corner, verdict = self.corners.payload.data, self._verdict
         with m.If(step):
             m.d.sync += x.eq(x + 1)
             with m.If(self.corners.payload.eol):
@@ -153,24 +165,27 @@ class CandidateSelection(wiring.Component):
 
         picked = Signal()
         m.d.comb += [
-            picked.eq(step & corner.corner & texture.keep & allowed),
+            picked.eq(step & corner.corner & verdict.keep & allowed),
             candidates.i.valid.eq(picked),
             candidates.i.payload.eq(self.surfaces.payload),
             pending.i.valid.eq(picked | ending),
             pending.i.payload.x.eq(place[0]),
             pending.i.payload.y.eq(place[1]),
-            pending.i.payload.response.eq(Mux(ending, self.largest, self._reported)),
-            pending.i.payload.textured.eq(texture.textured),
+            pending.i.payload.response.eq(Mux(ending, self.largest, verdict.response)),
+            pending.i.payload.textured.eq(verdict.textured),
             pending.i.payload.end.eq(ending),
         ]
         probe(self, candidates=candidates, pending=pending, room=room, x=x, y=y, ending=ending)
         return m
 
     @property
-    def _reported(self) -> Value:
-        """The response in a record: that of the texture filter, if it gives one."""
-        corner, texture = self.corners.payload.data, self.textures.payload.data
-        return texture.response if "response" in texture.shape().members else corner.response
+    def _verdict(self) -> _Verdict:
+        response = self.corners.payload.data.response
+        if not self._filtered:
+            return _Verdict(C(0, 1), C(1, 1), response)
+        texture = self.textures.payload.data
+        given = "response" in texture.shape().members
+        return _Verdict(texture.textured, texture.keep, texture.response if given else response)
 
     def _largest(self, m: Module, step: Signal) -> None:
         first, response = Signal(init=1), self.corners.payload.data.response
@@ -189,19 +204,19 @@ class CandidateSelection(wiring.Component):
         because no two corners come in two clocks in a row.
         """
         allowed, found, accepted = Signal(), Signal(COUNT_BITS), Signal(BUDGET_BITS)
-        corner, texture = self.corners.payload.data, self.textures.payload.data
-        if self._parameters.algorithm.texture == "mean":
-            # what is left of D is what counts; whether it is above T1 does not
-            counts = self._reported.any()
+        corner, verdict = self.corners.payload.data, self._verdict
+        if TEXTURES[self._parameters.algorithm.texture].by_reference:
+            counts = ~verdict.textured | self.rank
         else:
-            counts = ~texture.textured | self.rank
-        m.d.comb += [self.counted.eq(step & corner.peak & counts), self.strength.eq(self._reported)]
+            # what is left of D is what counts; whether it is above T1 does not
+            counts = verdict.response.any()
+        m.d.comb += [self.counted.eq(step & corner.peak & counts), self.strength.eq(verdict.response)]
         m.d.sync += allowed.eq((self.max_corners == 0) | (accepted != self.max_corners))
         with m.If(ending):
             m.d.sync += [found.eq(0), accepted.eq(0)]
-        with m.Elif(step & corner.corner & texture.keep):
+        with m.Elif(step & corner.corner & verdict.keep):
             m.d.sync += found.eq(found + 1)
-            with m.If(~texture.textured & (accepted != self.max_corners)):
+            with m.If(~verdict.textured & (accepted != self.max_corners)):
                 m.d.sync += accepted.eq(accepted + 1)
         halves = found[:PIXEL_COORDINATE_BITS], found[PIXEL_COORDINATE_BITS:]
         return allowed, (Mux(ending, halves[0], place[0]), Mux(ending, halves[1], place[1]))
@@ -210,7 +225,7 @@ class CandidateSelection(wiring.Component):
         """A corner flag of every window into a queue of its own; returns whether that has room."""
         m.submodules.corner_flags = flags = Queue(corner_flag_layout(), CORNER_FLAGS)
         wiring.connect(m, flags.o, wiring.flipped(self.corner_flags))
-        corner = self.corners.payload.data.corner & ~self.textures.payload.data.textured
+        corner = self.corners.payload.data.corner & ~self._verdict.textured
         m.d.comb += [
             flags.i.valid.eq(step),
             flags.i.payload.corner.eq(corner & allowed),

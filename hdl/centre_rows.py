@@ -1,4 +1,4 @@
-"""The middle three rows of the 9x9 window, delayed until the rest of it is there."""
+"""The middle three rows of a larger window, delayed until the rest of it is there."""
 
 from __future__ import annotations
 
@@ -8,13 +8,10 @@ from amaranth.hdl import Cat, Module
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.formats import WINDOW_SIZE
 from golden.parameters import Parameters
 from hdl.parts.delay_line import DelayLine
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 from hdl.sample import response_layout, responses, sample_layout
-
-_LATE = WINDOW_SIZE // 2 - 1
 
 
 def centre_size(parameters: Parameters) -> int:
@@ -24,26 +21,27 @@ def centre_size(parameters: Parameters) -> int:
 
 
 class CentreRows(wiring.Component):
-    """Columns of three rows out of columns of nine.
+    """Columns of three rows out of columns as high as the window: nine, seven or five.
 
-    They are delayed, so that windows of both widths are complete in the same clock. The first three
-    columns and the last three of every row are left out: they are never next to the centre of a
-    complete 9x9 window.
+    They are delayed, so that windows of both widths are complete in the same clock. Columns that
+    are never next to the centre of a complete window are left out: of nine rows, the first three
+    and the last three of every row.
 
     Members
     -------
     i
-        Stream of ``Columns(sample_layout(parameters), 9)``.
+        Stream of ``Columns(sample_layout(parameters), size)``.
     o
-        Stream of ``Columns(response_layout(parameters), 3)``, rows six positions shorter.
+        Stream of ``Columns(response_layout(parameters), 3)``, rows size - 3 positions shorter.
     """
 
     latency = 2
 
     def __init__(self, parameters: Parameters) -> None:
+        self._size = parameters.algorithm.window_size
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(sample_layout(parameters), WINDOW_SIZE))),
+                "i": In(stream.Signature(Columns(sample_layout(parameters), self._size))),
                 "o": Out(stream.Signature(Columns(response_layout(parameters), 3))),
             }
         )
@@ -52,11 +50,11 @@ class CentreRows(wiring.Component):
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         step = pipe.valid & pipe.advance
-        window = WindowCounter(m, 2 * _LATE + 1, step=step, eol=self.i.payload.eol)
-        middle = WINDOW_SIZE // 2
+        middle = self._size // 2
+        window = WindowCounter(m, self._size - 2, step=step, eol=self.i.payload.eol)
         rows = Cat(responses(self.i.payload)[middle - 1 : middle + 2])
         # moves from column to column; its last register counts as one of the two here
-        m.submodules.late = late = DelayLine(len(rows), _LATE + 1)
+        m.submodules.late = late = DelayLine(len(rows), middle)
         m.d.comb += [
             late.enable.eq(step),
             late.i.eq(rows),

@@ -47,8 +47,8 @@ class Detector(wiring.Component):
     i
         Stream of pixels, unsigned(pixel_bits), in raster order, frames back to back.
     width, height
-        Frame size, 15 to the built maximum; sampled with a frame's first pixel, as is all that
-        follows.
+        Frame size, from ``Algorithm.support`` to the built maximum; sampled with a frame's first
+        pixel, as is all that follows.
     sigma1, sigma2
         Thresholds in units of 2**-16 (``Settings.sigma1_fixed``, ``sigma2_fixed``).
     use_constant, constant, floor, report_rejected
@@ -139,7 +139,9 @@ class Detector(wiring.Component):
             return self.latency
         # each buffer starts reading a row when its last value is in, and ends one row's length
         # later
-        return self.latency + (width - 1) + (width - 7)
+        algorithm = self._parameters.algorithm
+        lost = [*range(algorithm.pixel_passes + 1), algorithm.response_margin]
+        return self.latency + sum(width - 2 * each - 1 for each in lost)
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Value
+from amaranth.hdl import Module
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.formats import WINDOW_SIZE
 from golden.parameters import Parameters
 from hdl.centre_rows import centre_size
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
+from hdl.pixel_filter import binomial
 from hdl.sample import response_layout, responses, sample_layout
 
 
@@ -28,18 +28,19 @@ class ResponseFilter(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(sample_layout(parameters), 9)``.
+        Stream of ``Columns(sample_layout(parameters), size)``, as high as the algorithm's window.
     o
-        Stream of ``Columns(response_layout(parameters), 2r + 1)``, rows 8 - 2r positions shorter.
+        Stream of ``Columns(response_layout(parameters), 2r + 1)``; rows are size - 2r - 1 positions
+        shorter.
     """
 
     latency = 2
 
     def __init__(self, parameters: Parameters) -> None:
-        self._rows = centre_size(parameters)
+        self._rows, self._size = centre_size(parameters), parameters.algorithm.window_size
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(sample_layout(parameters), WINDOW_SIZE))),
+                "i": In(stream.Signature(Columns(sample_layout(parameters), self._size))),
                 "o": Out(stream.Signature(Columns(response_layout(parameters), self._rows))),
             }
         )
@@ -48,13 +49,13 @@ class ResponseFilter(wiring.Component):
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         step, reach = pipe.valid & pipe.advance, self._rows // 2
-        window = WindowCounter(m, WINDOW_SIZE - 2 * reach, step=step, eol=self.i.payload.eol)
-        beat = pipe.register(pipe.valid, "beat", reset=True)
-        middle = WINDOW_SIZE // 2
+        window = WindowCounter(m, self._size - 2 * reach, step=step, eol=self.i.payload.eol)
+        beat, rows = pipe.register(pipe.valid, "beat", reset=True), responses(self.i.payload)
+        middle = self._size // 2
         # S of a column needs the next column's D, so it comes one late by itself
         columns_late = middle - reach - 1
         for k, row in enumerate(range(middle - reach, middle + reach + 1)):
-            down = pipe.register(self._down(row), f"down_{k}")
+            down = pipe.register(binomial(*rows[row - 1 : row + 2]), f"down_{k}")
             pair = down + pipe.register(down, f"down_before_{k}", when=beat)
             smoothed = (pair + pipe.register(pair, f"pair_before_{k}", when=beat))[4:]
             for late in range(columns_late + 1):
@@ -66,10 +67,3 @@ class ResponseFilter(wiring.Component):
             self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
         ]
         return m
-
-    def _down(self, row: int) -> Value:
-        """a + 2b + c + 2: four columns each add a quarter of the half that rounds the 3x3 mean."""
-        above, here, below = responses(self.i.payload)[row - 1 : row + 2]
-        # both ones enter where the adders have room for them
-        ends = (Cat(C(1, 1), above) + Cat(C(1, 1), below))[1:]
-        return (ends + Cat(C(1, 1), here))[: len(here) + 2]

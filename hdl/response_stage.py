@@ -18,6 +18,7 @@ from hdl.parts.circular_buffer import CircularBuffer
 from hdl.parts.nets import chain, connect_by_name
 from hdl.parts.optional import optional
 from hdl.parts.stream import Beat, SkidBuffer
+from hdl.pixel_filter import FILTER_ROWS, PixelFilter
 from hdl.preprocessing import PIXEL_ROWS, Preprocessing
 from hdl.response import Response
 from hdl.sample import sample_layout
@@ -27,12 +28,14 @@ from hdl.thresholds import Thresholds, settings_layout, settings_members, thresh
 class ResponseStage(wiring.Component):
     """Samples out of pixels.
 
-        pixels ─ frame control ─ buffer 7 ┬ preprocessing ─ convolution ─ response ┬ skid ─┐
-                                          └────────────── centre pixels ───────────┘       │
-            ┌──────────────────────────────────────────────────────────────────────────────┘
-            └ thresholds ─ samples
+        pixels ─ frame control ─ (buffer 3 ─ pixel filter) ─┐
+            ┌───────────────────────────────────────────────┘
+            └ buffer 7 ┬ preprocessing ─ convolution ─ response ┬ skid ─ thresholds ─ samples
+                       └────────────── centre pixels ───────────┘
 
-    Centre pixels are built where the pixel rides along with its response.
+    There is a pixel filter for each time that pixels are smoothed, with two rows of pixels (lean)
+    of its own. Centre pixels, which are smoothed too, are built where the pixel rides along with
+    its response.
 
     Members
     -------
@@ -41,7 +44,7 @@ class ResponseStage(wiring.Component):
     width, height, and the fields of ``settings_layout(parameters)``
         Size and settings of the next frame, as in :class:`hdl.frame_control.FrameControl`.
     samples
-        Stream of ``Beat(sample_layout(parameters))``: (height-6) rows of width-6.
+        Stream of ``Beat(sample_layout(parameters))``; ``Algorithm.response_margin`` is taken away.
     limits
         Stream of ``thresholds_layout(parameters)``, one per frame.
     largest, adapted, adapting
@@ -52,6 +55,11 @@ class ResponseStage(wiring.Component):
         self._parameters = p = parameters
         pixel, sample = unsigned(p.pixel_bits), sample_layout(p)
         self.frame_control = FrameControl(p)
+        self._filters: dict[str, Any] = {}
+        for k in range(p.algorithm.pixel_passes):
+            number = f" {k + 1}" if k else ""
+            buffer = CircularBuffer(pixel, FILTER_ROWS, p.max_width, p.buffering)
+            self._filters |= {f"filter buffer{number}": buffer, f"pixel filter{number}": PixelFilter(p)}
         self.pixel_buffer = CircularBuffer(pixel, PIXEL_ROWS, p.max_width, p.buffering)
         self.preprocessing = Preprocessing(p)
         self.convolution = Convolution(p)
@@ -78,6 +86,7 @@ class ResponseStage(wiring.Component):
         """Every block on the way of a frame's last pixel, by name, with a ``latency``."""
         return {
             "frame control": self.frame_control,
+            **self._filters,
             "pixel buffer": self.pixel_buffer,
             "preprocessing": self.preprocessing,
             "convolution": self.convolution,
@@ -94,7 +103,8 @@ class ResponseStage(wiring.Component):
         connect_by_name(m, wiring.flipped(self), control)
         for name, _ in settings_layout(self._parameters):
             m.d.comb += control.next_settings[name].eq(getattr(self, str(name)))
-        chain(m, control, self.pixel_buffer, self.preprocessing, self.convolution, self.response)
+        before = (control, *self._filters.values(), self.pixel_buffer)
+        chain(m, *before, self.preprocessing, self.convolution, self.response)
         self._join(m)
         chain(m, self.skid, thresholds)
         wiring.connect(m, thresholds.o, wiring.flipped(self.samples))

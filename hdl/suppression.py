@@ -6,7 +6,6 @@ from typing import Any
 
 from amaranth.hdl import Cat, Module, Value
 
-from golden.formats import WINDOW_SIZE
 from golden.parameters import Parameters
 from hdl.centre_rows import centre_size
 from hdl.corner_detection import Maxima, larger
@@ -19,7 +18,8 @@ class Suppression(Maxima):
 
     It does what :class:`hdl.corner_detection.CornerDetection` does behind
     :class:`hdl.centre_rows.CentreRows`, for r = ``suppression`` from 1 to 4, and in the same number
-    of clocks for all of them. With ``response_filter`` it takes the 2r+1 rows and columns of
+    of clocks for all of them; a window of 3x3 has no centre rows, and takes their clocks less. With
+    ``response_filter`` it takes the 2r+1 rows and columns of
     :class:`hdl.response_filter.ResponseFilter`, and as many clocks as it needs.
 
     Every column is reduced to two numbers: the largest of what its rows above and below the middle
@@ -33,12 +33,12 @@ class Suppression(Maxima):
     Members
     -------
     i
-        Stream of ``Columns(sample_layout(parameters), 9)``; behind a response filter, of
-        ``Columns(response_layout(parameters), 2r + 1)``.
+        Stream of ``Columns(sample_layout(parameters), size)``, as high as the algorithm's window;
+        behind a response filter, of ``Columns(response_layout(parameters), 2r + 1)``.
     t1
         Stream of T1, one per frame, taken with the frame's last column.
     o
-        Stream of ``Beat(corner_layout(parameters))``; rows are 8, or 2r, positions shorter.
+        Stream of ``Beat(corner_layout(parameters))``; rows are size - 1, or 2r, positions shorter.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -47,7 +47,8 @@ class Suppression(Maxima):
             self.latency = (2 * parameters.algorithm.suppression - 1).bit_length() + 2
             sample = response_layout(parameters)
         else:
-            self.reads, self._size, self.latency = "columns", WINDOW_SIZE, 5
+            self.reads, self._size = "columns", parameters.algorithm.window_size
+            self.latency = 5 if self._size > centre_size(parameters) else 3
             sample = sample_layout(parameters)
         super().__init__(parameters, Columns(sample, self._size))
 

@@ -11,16 +11,9 @@ from amaranth.lib.wiring import In, Out
 
 from golden.formats import WINDOW_SIZE
 from golden.parameters import Parameters
-from hdl.parts.optional import optional
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.sample import responses, sample_layout
 from hdl.thresholds import thresholds_layout
-
-
-def texture_layout(parameters: Parameters) -> data.StructLayout:
-    """Is a window's centre textured, and is it reported; with ``texture="mean"`` its response."""
-    response = optional(parameters.algorithm.texture == "mean", response=parameters.response_bits)
-    return data.StructLayout({"textured": 1, "keep": 1, **response})
 
 
 @dataclass(frozen=True)
@@ -111,12 +104,17 @@ class TextureFilter(wiring.Component):
         Stream of ``thresholds_layout(parameters)``, one per frame, taken with the frame's last
         result.
     o
-        Stream of ``Beat(texture_layout(parameters))``; keep = not textured, or rejected corners are
-        reported too.
+        Stream of ``Beat(TextureFilter.verdict(parameters))``; keep = not textured, or rejected
+        corners are reported too.
     """
 
     latency = 5
     reads = "columns"
+
+    @staticmethod
+    def verdict(parameters: Parameters) -> data.StructLayout:
+        """Is a window's centre textured, and is it reported?"""
+        return data.StructLayout({"textured": 1, "keep": 1})
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
@@ -125,7 +123,7 @@ class TextureFilter(wiring.Component):
             {
                 "i": In(stream.Signature(Columns(sample_layout(parameters), WINDOW_SIZE))),
                 "thresholds": In(stream.Signature(thresholds_layout(parameters))),
-                "o": Out(stream.Signature(Beat(texture_layout(parameters)))),
+                "o": Out(stream.Signature(Beat(self.verdict(parameters)))),
             }
         )
 

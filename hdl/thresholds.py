@@ -8,6 +8,7 @@ from amaranth.hdl import Cat, Module, Mux, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Member, Out
 
+from golden.algorithm import Texture
 from golden.formats import (
     BUDGET_BITS,
     BUDGET_SETTINGS,
@@ -17,6 +18,7 @@ from golden.formats import (
     SIGMA_BITS,
 )
 from golden.parameters import Parameters
+from golden.textures import TEXTURES
 from hdl.adaptation import adapted_layout, aim_layout
 from hdl.parts.optional import optional
 from hdl.parts.probes import probe
@@ -47,12 +49,18 @@ def settings_members(parameters: Parameters) -> dict[str, Member]:
 
 
 def thresholds_layout(parameters: Parameters) -> data.StructLayout:
-    """T1 in units of D; T2 in units of tau, or the weight of the local level; budget settings."""
-    t2_bits = parameters.response_bits + SIGMA2_INTEGER_BITS + (parameters.pixels_per_region - 1).bit_length()
+    """T1 in units of D; T2 in units of tau, or the weight of the local level; budget settings.
+
+    Without a texture filter T2 has no bits.
+    """
+    tau_bits = (
+        parameters.response_bits + SIGMA2_INTEGER_BITS + (parameters.pixels_per_region - 1).bit_length()
+    )
+    t2_bits: dict[Texture, int] = {"patches": tau_bits, "mean": MEAN_WEIGHT_BITS, "none": 0}
     return data.StructLayout(
         {
             "t1": parameters.response_bits,
-            "t2": MEAN_WEIGHT_BITS if parameters.algorithm.texture == "mean" else t2_bits,
+            "t2": t2_bits[parameters.algorithm.texture],
             "report_rejected": 1,
             **optional(parameters.budget, max_corners=BUDGET_BITS, aim=aim_layout()),
         }
@@ -62,7 +70,8 @@ def thresholds_layout(parameters: Parameters) -> data.StructLayout:
 class Thresholds(wiring.Component):
     """T1 = sigma1 · Dref and T2 = sigma2 · Dref, each rounded down, once per frame.
 
-    With ``texture="mean"`` T2 is sigma2 itself, as ``golden.Settings.mean_weight``.
+    With ``texture="mean"`` T2 is sigma2 itself, as ``golden.Settings.mean_weight``; with ``"none"``
+    there is no T2.
 
     With a frame's first response, on its way from ``i`` to ``o``, it takes that frame's settings
     and multiplies, one bit of sigma per clock, long before the frame's first window.
@@ -108,7 +117,17 @@ class Thresholds(wiring.Component):
     @property
     def clocks(self) -> int:
         """Clocks from a frame's first response to its thresholds."""
-        return SIGMA2_BITS + 3 + self._parameters.budget
+        return self._sigma_bits + 3 + self._parameters.budget
+
+    @property
+    def _by_reference(self) -> bool:
+        """Is T2 a product, too?"""
+        return TEXTURES[self._parameters.algorithm.texture].by_reference
+
+    @property
+    def _sigma_bits(self) -> int:
+        """Bits of the longer factor."""
+        return SIGMA2_BITS if self._by_reference else SIGMA_BITS
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -138,16 +157,16 @@ class Thresholds(wiring.Component):
         return m
 
     def _multiply(self, m: Module, *, start: Any, busy: Signal, any_previous: Signal) -> None:
-        bits = self._parameters.response_bits
+        bits, sigma_bits = self._parameters.response_bits, self._sigma_bits
         # they stay until the multiplication starts
         settings, report_rejected = self.settings.payload, Signal()
         scaled_bits = bits + (self._parameters.pixels_per_region - 1).bit_length()
         reference, scaled = Signal(bits), Signal(scaled_bits)
         chosen, referred, multiplying = Signal(), Signal(), Signal()
-        count = Signal(range(SIGMA2_BITS))
+        count = Signal(range(sigma_bits))
         probe(self, chosen=chosen, referred=referred, multiplying=multiplying, count=count)
         # classic multipliers: the product grows into the register from which sigma is shifted out
-        product1, product2 = Signal(bits + SIGMA2_BITS), Signal(scaled_bits + SIGMA2_BITS)
+        product1, product2 = Signal(bits + sigma_bits), Signal(scaled_bits + sigma_bits)
         weight = Signal(MEAN_WEIGHT_BITS)
         t1, t2 = self.thresholds.payload.t1, self.thresholds.payload.t2
         factor1, result1 = reference, product1[SIGMA_BITS:]
@@ -158,7 +177,7 @@ class Thresholds(wiring.Component):
         if self._parameters.budget:
             factor1, result1, delivered = self._budget(m, referred, reference, result1, delivered)
         products = [(product1, factor1), (product2, scaled)]
-        if self._parameters.algorithm.texture == "mean":
+        if not self._by_reference:
             products = products[:1]
         m.d.sync += [chosen.eq(start), referred.eq(chosen)]
         m.d.comb += self.settings.ready.eq(referred)
@@ -186,14 +205,14 @@ class Thresholds(wiring.Component):
             ]
         with m.If(multiplying):
             for product, factor in products:
-                high = product[SIGMA2_BITS:] + Mux(product[0], factor, 0)
-                m.d.sync += product.eq(Cat(product[1:SIGMA2_BITS], high))
+                high = product[sigma_bits:] + Mux(product[0], factor, 0)
+                m.d.sync += product.eq(Cat(product[1:sigma_bits], high))
             m.d.sync += count.eq(count + 1)
-            with m.If(count == SIGMA2_BITS - 1):
+            with m.If(count == sigma_bits - 1):
                 m.d.sync += [multiplying.eq(0), *delivered]
         m.d.comb += [
             t1.eq(result1),
-            t2.eq(weight if self._parameters.algorithm.texture == "mean" else product2[SIGMA_BITS:]),
+            t2.eq(product2[SIGMA_BITS:] if self._by_reference else weight),
             self.thresholds.payload.report_rejected.eq(report_rejected),
         ]
 

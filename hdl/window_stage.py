@@ -10,13 +10,10 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.algorithm import ResponseFilter as ResponseFilterName
-from golden.algorithm import Texture
-from golden.formats import WINDOW_SIZE
 from hdl.adaptation import Adaptation, adapted_layout
-from hdl.adaptive_threshold import AdaptiveThreshold
 from hdl.build import Build
 from hdl.candidate_selection import CandidateSelection, corner_flag_layout, pending_record_layout
-from hdl.centre_rows import CentreRows
+from hdl.centre_rows import CentreRows, centre_size
 from hdl.corner_detection import CornerDetection
 from hdl.fits import derivatives_layout, equations_block
 from hdl.parts.circular_buffer import CircularBuffer
@@ -27,13 +24,9 @@ from hdl.parts.stream_delay import StreamDelay
 from hdl.response_filter import ResponseFilter
 from hdl.sample import sample_layout
 from hdl.suppression import Suppression
-from hdl.texture_filter import TextureFilter
+from hdl.textures import TEXTURES
 from hdl.thresholds import thresholds_layout
 
-TEXTURE_FILTERS: dict[Texture, type[TextureFilter] | type[AdaptiveThreshold]] = {
-    "patches": TextureFilter,
-    "mean": AdaptiveThreshold,
-}
 CENTRES: dict[ResponseFilterName, type[CentreRows] | type[ResponseFilter]] = {
     "none": CentreRows,
     "binomial": ResponseFilter,
@@ -43,15 +36,17 @@ CENTRES: dict[ResponseFilterName, type[CentreRows] | type[ResponseFilter]] = {
 class WindowStage(wiring.Component):
     """Candidates out of samples.
 
-        samples ─ buffer 9 ─┬ texture filter ───────────────── (delay) ┐
+        samples ─ buffer N ─┬ texture filter ───────────────── (delay) ┐
                             ├ centre rows ┬ corner detection ─ (delay) ┼ candidate selection
                             │             └ surface fit ───────────────┤
                             └ gradient step ───────────────────────────┘
 
-    There is a surface fit or a gradient step, not both. With ``response_filter`` the centre rows
-    are smoothed ones; with ``texture="mean"`` an adaptive threshold filters textures; and for a
-    neighbourhood larger than 3x3, or with ``budget``, another block detects corners, in columns of
-    nine rows. Each block says itself which columns it reads: all nine rows, or the centre rows.
+    N is the side of the algorithm's window. There is a surface fit or a gradient step, not both.
+    With ``response_filter`` the centre rows are smoothed ones; where N is 3, they are the columns
+    themselves. With ``texture="mean"`` an adaptive threshold filters textures, and there may be no
+    texture filter at all. For a neighbourhood larger than 3x3, or with ``budget``, another block
+    detects corners, in columns of N rows. Each block says itself which columns it reads: all N
+    rows, or the centre rows.
 
     The blocks between buffer and candidate selection move in step: all are ready whenever the
     candidate selection is, and for each window all deliver in the same clock; those that take less
@@ -71,7 +66,7 @@ class WindowStage(wiring.Component):
     limits
         Stream of ``thresholds_layout(parameters)``. A frame's thresholds are taken with its last
         window, when its largest response is known. They never come too late: they are ready soon
-        after a frame's first response, and its first column needs eight rows of responses.
+        after a frame's first response, and its first window needs two further rows at least.
     candidate, pending, corner_flags, largest
         As in :class:`hdl.candidate_selection.CandidateSelection`; flags with ``video_out`` only.
     adapted, adapting, history
@@ -82,16 +77,21 @@ class WindowStage(wiring.Component):
     def __init__(self, parameters: Build) -> None:
         p = parameters
         sample, adapted = sample_layout(p), adapted_layout(p)
-        self.response_buffer = CircularBuffer(sample, WINDOW_SIZE, p.max_width, p.buffering, registers=1)
-        self.texture_filter = TEXTURE_FILTERS[p.algorithm.texture](p)
-        self.centre_rows = CENTRES[p.algorithm.response_filter](p)
+        size = p.algorithm.window_size
+        self.response_buffer = CircularBuffer(sample, size, p.max_width, p.buffering, registers=1)
+        block = TEXTURES[p.algorithm.texture]
+        self.texture_filters: dict[str, Any] = {"texture filter": block(p)} if block else {}
+        centres = CENTRES[p.algorithm.response_filter]
+        self.centre_rows = centres(p) if size > centre_size(p) else None
         wide = p.algorithm.suppression > 1 or p.budget
         self.corner_detection = Suppression(p) if wide else CornerDetection(p)
         self.equations = equations_block(p)(p)
         self.candidate_selection = CandidateSelection(p)
         self._adaptation = optional(p.budget, adaptation=Adaptation(p))
         latest = self._arrival(self.equations)
-        waits = {"late textures": self.texture_filter, "late corners": self.corner_detection}
+        waits = {"late corners": self.corner_detection}
+        for texture_filter in self.texture_filters.values():
+            waits["late textures"] = texture_filter
         self._delays = {
             name: StreamDelay(block.o.payload.shape(), latest - self._arrival(block))
             for name, block in waits.items()
@@ -111,27 +111,37 @@ class WindowStage(wiring.Component):
 
     def _arrival(self, block: Any) -> int:
         """Clocks from a column to a block's result for the window that it completes."""
-        return block.latency + (self.centre_rows.latency if block.reads == "centres" else 0)
+        return int(block.latency) + (CentreRows.latency if self._is_behind(block) else 0)
+
+    def _is_behind(self, block: Any) -> bool:
+        """Does the block read what the centre rows deliver?"""
+        return self.centre_rows is not None and block.reads == "centres"
 
     @property
     def blocks(self) -> dict[str, Any]:
         """Those on one way through, each with a ``latency``."""
-        late = {name: delay for name, delay in self._delays.items() if name == "late textures"}
+        behind = self._is_behind(self.corner_detection)
+        late = {name: delay for name, delay in self._delays.items() if name == "late corners"}
         return {
             "response buffer": self.response_buffer,
-            "texture filter": self.texture_filter,
+            **optional(behind, **{"centre rows": self.centre_rows}),
+            "corner detection": self.corner_detection,
             **late,
             "candidate selection": self.candidate_selection,
         }
 
     @property
+    def _readers(self) -> tuple[Any, ...]:
+        """Blocks that read columns or centre rows."""
+        return (*self.texture_filters.values(), self.corner_detection, self.equations)
+
+    @property
     def _beside(self) -> dict[str, Any]:
         """The other blocks; no centre rows where nobody reads them."""
-        blocks = (self.texture_filter, self.corner_detection, self.equations)
-        centres = any(block.reads == "centres" or hasattr(block, "centres") for block in blocks)
+        read = any(self._is_behind(block) or hasattr(block, "centres") for block in self._readers)
         return {
-            **optional(centres, centre_rows=self.centre_rows),
-            "corner_detection": self.corner_detection,
+            **optional(read, **{"centre rows": self.centre_rows}),
+            **self.texture_filters,
             "equations": self.equations,
             **self._delays,
             **self._adaptation,
@@ -144,15 +154,19 @@ class WindowStage(wiring.Component):
         selection, columns = self.candidate_selection, self.response_buffer.o
         wiring.connect(m, wiring.flipped(self.samples), self.response_buffer.i)
         m.d.comb += columns.ready.eq(self.equations.i.ready)
-        self._feed(m, self.centre_rows.i, columns)
-        m.d.comb += self.centre_rows.o.ready.eq(self.equations.i.ready)
-        for block in (self.texture_filter, self.corner_detection, self.equations):
-            self._feed(m, block.i, columns if block.reads == "columns" else self.centre_rows.o)
-        if isinstance(self.texture_filter, AdaptiveThreshold):
-            self._feed(m, self.texture_filter.centres, self.centre_rows.o)
+        centres = columns
+        if self.centre_rows is not None:
+            centres = self.centre_rows.o
+            self._feed(m, self.centre_rows.i, columns)
+            m.d.comb += centres.ready.eq(self.equations.i.ready)
+        for block in self._readers:
+            self._feed(m, block.i, columns if block.reads == "columns" else centres)
+            if hasattr(block, "centres"):
+                self._feed(m, block.centres, centres)
         self._limit(m)
         self._deliver(m, "late corners", self.corner_detection.o, selection.corners)
-        self._deliver(m, "late textures", self.texture_filter.o, selection.textures)
+        for block in self.texture_filters.values():
+            self._deliver(m, "late textures", block.o, selection.textures)
         wiring.connect(m, self.equations.o, selection.surfaces)
         connect_by_name(m, wiring.flipped(self), selection)
         for adaptation in self._adaptation.values():
@@ -165,14 +179,13 @@ class WindowStage(wiring.Component):
         m.d.comb += [sink.valid.eq(source.valid), sink.payload.eq(source.payload)]
 
     def _limit(self, m: Module) -> None:
-        limits = self.limits
+        limits, t1 = self.limits, self.corner_detection.t1
         m.d.comb += [
-            self.corner_detection.t1.valid.eq(1),
-            self.corner_detection.t1.payload.eq(limits.payload.t1),
-            self.texture_filter.thresholds.valid.eq(1),
-            self.texture_filter.thresholds.payload.eq(limits.payload),
+            *(t1.valid.eq(1), t1.payload.eq(limits.payload.t1)),
             limits.ready.eq(self.candidate_selection.last),
         ]
+        for block in self.texture_filters.values():
+            m.d.comb += [block.thresholds.valid.eq(1), block.thresholds.payload.eq(limits.payload)]
 
     def _deliver(self, m: Module, name: str, found: Any, sink: Any) -> None:
         if name in self._delays:

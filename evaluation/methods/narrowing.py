@@ -25,7 +25,7 @@ from flow.cyclone4.area import Area
 from flow.cyclone4.synthesis import map_component
 from golden import Corners, Parameters, Settings, decode
 from golden.convolution import KERNEL, SHIFT
-from golden.formats import OFFSET_BITS, WINDOW_SIZE
+from golden.formats import OFFSET_BITS
 from golden.frame import Frame, response_map
 from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.preprocessing import IntArray, gradients, products
@@ -173,9 +173,10 @@ _D_BLOCKS = "response buffer, texture filter, centre rows, corner detection"
 
 def _d_area(parameters: Build) -> Figures:
     """Area of the blocks that look at windows of D."""
-    windows = WindowStage(parameters)
-    buffer = CircularBuffer(parameters.response_bits, WINDOW_SIZE, WIDTH, parameters.buffering, registers=1)
-    blocks = (buffer, windows.texture_filter, windows.centre_rows, windows.corner_detection)
+    windows, size = WindowStage(parameters), parameters.algorithm.window_size
+    buffer = CircularBuffer(parameters.response_bits, size, WIDTH, parameters.buffering, registers=1)
+    centres = [] if windows.centre_rows is None else [windows.centre_rows]
+    blocks = (buffer, *windows.texture_filters.values(), *centres, windows.corner_detection)
     return _plain(sum((map_component(block, "part")[0].area for block in blocks), start=Area()))
 
 

@@ -13,8 +13,6 @@ from hdl.candidate_selection import corner_flag_layout
 from hdl.edges.frame_guard import video_layout
 from hdl.parts.queue import Queue
 
-_ROWS = {"lean": 7, "banked": 9}
-"""Rows that come after a pixel before its flag does: ``"banked"`` buffers read two rows late."""
 _CLOCKS = 128
 """Further pixels that come while the detector works on one, with a reserve."""
 
@@ -63,7 +61,10 @@ class Overlay(wiring.Component):
     @property
     def depth(self) -> int:
         """Pixels that it holds."""
-        return _ROWS[self._build.buffering] * self._build.max_width + _CLOCKS
+        algorithm = self._build.algorithm
+        # each of the "banked" buffers reads a row late
+        late = {"lean": 0, "banked": algorithm.pixel_passes + 2}[self._build.buffering]
+        return (algorithm.margin + late) * self._build.max_width + _CLOCKS
 
     @property
     def memory_bits(self) -> int:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from amaranth.hdl import Module, Signal
+from amaranth.hdl import Cat, Module, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.sim import Simulator
@@ -61,6 +61,7 @@ class InStep(wiring.Component):
 
     def __init__(self, parameters: Parameters = PARAMETERS) -> None:
         self._budget = parameters.budget
+        self._filtered = parameters.algorithm.texture != "none"
         self.selection = CandidateSelection(parameters)
         super().__init__(
             {
@@ -75,24 +76,28 @@ class InStep(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         m.submodules.selection = selection = self.selection
-        corners, textures, surfaces = selection.corners, selection.textures, selection.surfaces
+        corners, surfaces = selection.corners, selection.surfaces
+        joined = [corners, surfaces]
         centre, pause, valid = self.i.payload, Signal(), Signal()
         m.d.comb += [
             valid.eq(self.i.valid & ~pause),
             self.i.ready.eq(corners.ready & ~pause),
-            corners.valid.eq(valid),
-            textures.valid.eq(valid),
-            surfaces.valid.eq(valid),
             corners.payload.data.corner.eq(centre.corner),
             corners.payload.data.response.eq(centre.response),
-            textures.payload.data.textured.eq(centre.textured),
-            textures.payload.data.keep.eq(centre.keep),
+            *(corners.payload.eol.eq(centre.eol), corners.payload.eof.eq(centre.eof)),
             surfaces.payload.eq(centre.surface),
         ]
-        for source in (corners, textures):
-            m.d.comb += [source.payload.eol.eq(centre.eol), source.payload.eof.eq(centre.eof)]
+        if self._filtered:
+            textures = selection.textures
+            joined.append(textures)
+            m.d.comb += [
+                textures.payload.data.textured.eq(centre.textured),
+                textures.payload.data.keep.eq(centre.keep),
+                *(textures.payload.eol.eq(centre.eol), textures.payload.eof.eq(centre.eof)),
+            ]
+        m.d.comb += [source.valid.eq(valid) for source in joined]
         m.d.sync += pause.eq(self.i.valid & self.i.ready & centre.eof)
-        with m.If((corners.ready != textures.ready) | (corners.ready != surfaces.ready)):
+        with m.If(Cat(corners.ready != source.ready for source in joined).any()):
             m.d.sync += self.broken.valid.eq(1)
         if self._budget:
             m.d.comb += selection.max_corners.eq(self.max_corners)
@@ -145,11 +150,14 @@ def check(
     name: EngineName = "compiled",
     stalls: Stalls = NO_STALLS,
     chances: tuple[float, float, float] = (0.2, 0.4, 0.7),
+    parameters: Parameters = PARAMETERS,
 ) -> Capture:
     centre = centres(sizes, chances)
     chosen, surfaces, expected = wanted(sizes, centre)
     quiet = 20 * int(1 / ((1 - stalls.inputs) * (1 - stalls.outputs))) + 200
-    capture = engine(name, InStep).run(Stimulus({"i": pack(CENTRE, centre)}, [], stalls), quiet=quiet)
+    capture = engine(name, InStep, parameters).run(
+        Stimulus({"i": pack(CENTRE, centre)}, [], stalls), quiet=quiet
+    )
     pending = unpack(pending_record_layout(PARAMETERS), capture.outputs["pending"])
     # of a frame's end only the flag `end` counts, and the response
     marked = {field: pending[field] * (1 - pending["end"]) for field in ("x", "y", "textured")}
@@ -176,6 +184,13 @@ def check(
 def test_frames(name: EngineName, stalls: Stalls) -> None:
     sizes = [(20, 31), (1, 1), (1, 9), (9, 1), (1, 1), (14, 14)]
     check(sizes if name == "compiled" else [(3, 5), (1, 1), (1, 4), (4, 1)], name, stalls)
+
+
+@pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(inputs=0.3, outputs=0.4, seed=13)], ids=str)
+def test_without_a_texture_filter_every_corner_is_kept(stalls: Stalls) -> None:
+    # with the margin of the others
+    parameters = Build.profile("paper", texture="none", suppression=4)
+    check([(20, 31), (1, 1), (9, 9)], stalls=stalls, chances=(0.3, 0, 1), parameters=parameters)
 
 
 @pytest.mark.parametrize(

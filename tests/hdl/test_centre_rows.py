@@ -1,7 +1,9 @@
 # amaranth: UnusedElaboratable=no
-"""Centre rows: the middle rows of nine, three columns late, without a row's outer columns."""
+"""Centre rows: the middle rows of a window, as late as its other columns, without outer columns."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,19 +29,29 @@ FULL = Build.profile("paper").response_max
 
 
 def check(
-    frames: list[Array], name: EngineName = "compiled", stalls: Stalls = NO_STALLS, pixel_bits: int = 8
+    frames: list[Array], name: EngineName = "compiled", stalls: Stalls = NO_STALLS, **changes: Any
 ) -> Capture:
-    block = CentreRows, Build.profile("paper", pixel_bits=pixel_bits)
-    inner = [frame[3:-3, 3:-3] for frame in frames]
-    given, expected = {"i": columns(frames, 9)}, {"o": columns(inner, 3)}
-    # three columns past the one that comes out
-    return check_block(block, given, expected, name, stalls, window=7)
+    parameters = Build.profile("paper", **changes)
+    size = parameters.algorithm.window_size
+    outer = size // 2 - 1
+    inner = [frame[outer:-outer, outer:-outer] for frame in frames]
+    given, expected = {"i": columns(frames, size)}, {"o": columns(inner, 3)}
+    # as many columns past the one that comes out
+    return check_block((CentreRows, parameters), given, expected, name, stalls, window=size - 2)
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 def test_noise(name: EngineName, stalls: Stalls) -> None:
     sizes = [(20, 30), (9, 9), (12, 7), (9, 40), (10, 8), (11, 17)]
     check(noise(sizes if name == "compiled" else [(9, 9), (10, 12), (11, 7), (9, 10)], FULL), name, stalls)
+
+
+@pytest.mark.parametrize("suppression", [2, 3])
+def test_windows_without_texture_filter(suppression: int) -> None:
+    """Five and seven rows."""
+    frames = noise([(20, 30), (9, 9), (12, 8), (9, 40)], FULL)
+    check(frames, stalls=Stalls(inputs=0.3, outputs=0.4, seed=13), texture="none", suppression=suppression)
+    check(frames, texture="none", suppression=suppression)
 
 
 @pytest.mark.parametrize("pixel_bits", [4, 8, 10])

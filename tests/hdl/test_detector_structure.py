@@ -18,6 +18,7 @@ from hdl.response_filter import ResponseFilter
 from hdl.surface import SurfaceFit
 from hdl.texture_filter import TextureFilter
 from hdl.thresholds import Thresholds
+from hdl.window_stage import WindowStage
 from tests.support.detectors import MIXTURES, PAPER, ROBUST
 
 
@@ -36,10 +37,11 @@ def test_what_moves_in_step_is_equally_long(parameters: Parameters) -> None:
 
 @pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
 def test_thresholds_are_there_before_the_first_column(parameters: Parameters) -> None:
-    """The smallest frame's rows lose two columns to the gradients and four to smoothing."""
-    algorithm = parameters.algorithm
-    columns = algorithm.support - 2 * algorithm.response_margin
-    assert Thresholds(parameters).clocks < (algorithm.window_size - 1) * columns
+    """T1 is compared with a window's middle column, and rows come no faster than they are read."""
+    algorithm, windows = parameters.algorithm, WindowStage(parameters)
+    row = algorithm.support - 2 * algorithm.pixel_passes
+    window = (algorithm.window_size - 1) * row + algorithm.window_size // 2
+    assert Thresholds(parameters).clocks < window + windows.response_buffer.latency
 
 
 def test_the_printed_fit_exists_in_the_golden_model_only() -> None:

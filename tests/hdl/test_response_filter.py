@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -37,18 +38,21 @@ def check(
     stalls: Stalls = NO_STALLS,
     pixel_bits: int = 8,
     radius: int = 1,
+    **changes: Any,
 ) -> Capture:
-    edge = 3 - radius
+    parameters = SIGNED.changed(pixel_bits=pixel_bits, suppression=radius, **changes)
+    size = parameters.algorithm.window_size
+    edge = size // 2 - 1 - radius
     inner = [response_filter(frame) for frame in frames]
     inner = [frame[edge : len(frame) - edge, edge : frame.shape[1] - edge] for frame in inner]
     return check_block(
-        (ResponseFilter, SIGNED.changed(pixel_bits=pixel_bits, suppression=radius)),
-        {"i": columns(frames, 9)},
+        (ResponseFilter, parameters),
+        {"i": columns(frames, size)},
         {"o": columns(inner, 2 * radius + 1)},
         name,
         stalls,
         # columns past the one that comes out
-        window=9 - 2 * radius,
+        window=size - 2 * radius,
     )
 
 
@@ -58,6 +62,12 @@ def test_noise(radius: int, name: EngineName, stalls: Stalls) -> None:
     sizes = [(20, 30), (9, 9), (12, 7), (9, 40), (10, 8), (11, 17)]
     frames = noise(sizes if name == "compiled" else [(9, 9), (10, 12), (11, 7), (9, 10)], FULL)
     check(frames, name, stalls, radius=radius)
+
+
+def test_five_rows_without_texture_filter() -> None:
+    frames = noise([(20, 30), (5, 5), (12, 7), (6, 40)], FULL)
+    check(frames, texture="none", fit="nine")
+    check(frames, stalls=Stalls(inputs=0.3, outputs=0.4, seed=13), texture="none", fit="nine")
 
 
 @pytest.mark.parametrize("pixel_bits", [4, 8, 10])

@@ -43,26 +43,37 @@ def check(
 ) -> Capture:
     """Frames of responses, nine rows and columns or more."""
     ties, radius = parameters.algorithm.ties, parameters.algorithm.suppression
+    size = parameters.algorithm.window_size
+    reach = size // 2
 
     def found(frame: Array, limit: int) -> Array:
-        edge = REACH - radius
+        edge = reach - radius
         height, width = frame.shape
         return corner_detection(frame[edge : height - edge, edge : width - edge], limit, ties, radius)
 
     expected = raster([found(frame, limit) for frame, limit in zip(frames, t1, strict=True)])
-    responses = raster([frame[REACH:-REACH, REACH:-REACH] for frame in frames])
+    responses = raster([frame[reach:-reach, reach:-reach] for frame in frames])
     peaks = raster([found(frame, 0) for frame in frames])
     counted = {"peak": peaks["data"]} if parameters.budget else {}
     expected["data"] = {"corner": expected["data"], "response": responses["data"], **counted}
     return check_block(
         (Suppression, parameters),
-        {"i": columns(frames, WINDOW_SIZE), "t1": np.array(t1)},
+        {"i": columns(frames, size), "t1": np.array(t1)},
         {"o": expected},
         name,
         stalls,
-        window=WINDOW_SIZE,
+        window=size,
         held={"t1": "i"},
     )
+
+
+@pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(inputs=0.3, outputs=0.4, seed=13)], ids=str)
+@pytest.mark.parametrize("radius", RADII)
+def test_windows_without_texture_filter(radius: int, stalls: Stalls) -> None:
+    """They are no larger than what is suppressed."""
+    parameters = Build.profile("paper", texture="none", suppression=radius, budget=True)
+    assert parameters.algorithm.window_size == 2 * radius + 1
+    check(parameters, noise([(20, 30), (9, 9), (12, 10)], 40), [20, 0, 39], stalls=stalls)
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)

@@ -44,6 +44,7 @@ from tests.support.strategies import sigmas
 PARAMETERS = Build.profile("paper")
 PIXELS = Build.profile("paper", patches="pixels", pixel_bits=10)
 MEAN = Build.profile("paper", texture="mean", gradient="signed")
+NONE = Build.profile("paper", texture="none")
 BUDGET = Build.profile("paper", budget=True)
 FULL = PARAMETERS.response_max
 LARGEST = 7 * FULL // 9
@@ -100,7 +101,8 @@ def check(
     known = 0 if adapted is None else adapted | 1 << parameters.response_bits
     fields = {
         "t1": np.array([limit.t1 for limit in expected]),
-        "t2": np.array([limit.t2 for limit in expected]),
+        # without a texture filter there is none
+        "t2": np.array([limit.t2 * (parameters.algorithm.texture != "none") for limit in expected]),
         "report_rejected": np.array([settings.report_rejected for _, settings in frames]),
         **budget_fields(parameters, [settings for _, settings in frames]),
     }
@@ -288,3 +290,11 @@ def test_weight_of_the_local_level(name: EngineName) -> None:
 def test_frames_with_an_adaptive_threshold(name: EngineName, stalls: Stalls) -> None:
     sizes = [(9, 9), (12, 20), (1, 5), (1, 1), (9, 30)]
     check(some_frames(sizes, MEAN.response_max), MEAN, name, stalls)
+
+
+@pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(inputs=0.3, outputs=0.4, seed=13)], ids=str)
+def test_without_a_texture_filter_there_is_t1_alone(stalls: Stalls) -> None:
+    """It is there four clocks sooner: sigma1 has four bits less than sigma2."""
+    sizes = [(3, 30), (1, 40), (2, 50), (4, 30), (2, 33)]
+    check(some_frames(sizes, NONE.response_max), NONE, stalls=stalls)
+    assert Thresholds(NONE).clocks == Thresholds(PARAMETERS).clocks - 4 == 19

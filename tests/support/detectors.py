@@ -42,20 +42,36 @@ MIXTURES = {
     ),
     "robust, nine samples": Build.profile("robust", **SMALL, fit="nine"),
     "robust but for its response filter": Build.profile("robust", **SMALL, response_filter="none"),
-    "10-bit pixels": Build.profile("robust", **SMALL, pixel_bits=10, sqrt_bits_per_stage=4),
+    "smoothed pixels, windows of 3x3": Build.profile(
+        "paper",
+        **SMALL,
+        buffering="lean",
+        pixel_filter="binomial",
+        gradient="signed",
+        ties="first",
+        texture="none",
+    ),
+    "10-bit pixels": Build.profile(
+        "robust", **SMALL, pixel_bits=10, pixel_filter="binomial", sqrt_bits_per_stage=4
+    ),
     "4-bit pixels": Build.profile(
         "paper",
         **SMALL,
         pixel_bits=4,
+        pixel_filter="twice",
         derivative="sobel",
         ties="first",
         divider="serial",
+        texture="none",
         suppression=2,
         sqrt_bits_per_stage=17,
     ),
     "paper with budget": Build.profile("paper", **SMALL, budget=True),
     "nine samples with budget, suppression": Build.profile(
         "robust", **SMALL, budget=True, suppression=4, fit="nine", response_filter="none"
+    ),
+    "3x3 with budget": Build.profile(
+        "paper", **SMALL, pixel_filter="twice", texture="none", response_filter="binomial", budget=True
     ),
     "robust with budget, suppression": Build.profile("robust", **SMALL, budget=True, suppression=3),
 }

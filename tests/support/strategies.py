@@ -52,14 +52,14 @@ _PAINTERS: tuple[Painter, ...] = (_noise, _blocks, _wedges, _sparse, _symmetric)
 
 
 @st.composite
-def images(draw: st.DrawFn, pixel_bits: int = 8, max_side: int = 40) -> Image:
-    """Images from 19x19 up: noise, blocks, wedges, dots of every contrast, or single pixels."""
+def images(draw: st.DrawFn, pixel_bits: int = 8, max_side: int = 40, smallest: int = SMALLEST) -> Image:
+    """Images of these sides: noise, blocks, wedges, dots of every contrast, or single pixels."""
     dtype = np.uint8 if pixel_bits <= 8 else np.uint16
     top = (1 << pixel_bits) - 1
     if draw(st.integers(0, 5)) == 0:
-        shape = (draw(st.integers(SMALLEST, 22)), draw(st.integers(SMALLEST, 22)))
+        shape = (draw(st.integers(smallest, smallest + 3)), draw(st.integers(smallest, smallest + 3)))
         return draw(arrays(dtype, shape, elements=st.integers(0, top), fill=st.just(0)))
-    height, width = draw(st.integers(SMALLEST, max_side)), draw(st.integers(SMALLEST, max_side))
+    height, width = draw(st.integers(smallest, max_side)), draw(st.integers(smallest, max_side))
     painter = draw(st.sampled_from(_PAINTERS))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     contrast = draw(st.sampled_from((1, 3, top // 4, top)))

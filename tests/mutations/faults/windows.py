@@ -35,8 +35,8 @@ WINDOWS = {
     ),
     "the centre rows come a column early": Mutation(
         "hdl/centre_rows.py",
-        "_LATE = WINDOW_SIZE // 2 - 1",
-        "_LATE = WINDOW_SIZE // 2 - 2",
+        "DelayLine(len(rows), middle)",
+        "DelayLine(len(rows), middle - 1)",
         "tests/hdl/test_centre_rows.py",
         "by_hand and amaranth",
     ),
