@@ -46,7 +46,7 @@ class VideoDetectorChecker(Elaboratable):
 
         # the numbers of frames in each state
         self.restart, self.closing, opened = (self.inside[name] for name in ("restart", "closing", "opened"))
-        self.complete = self.inside["inside"]
+        self.complete, self.timing = self.inside["inside"], packets_inside["timing"]
         self.open = open_ = Signal(16)
         # of each packet, the beat that closes it is its end-of-frame record; a time may follow
         self.last, self.time = closes(dut.records.payload.record), is_time(dut.records.payload.record)
@@ -74,7 +74,7 @@ class VideoDetectorChecker(Elaboratable):
         invariant(m, restarted == self.closing, "closing differs")
         invariant(m, ~(self.restart & self.closing), "a restart while closing")
         under_way = self.complete + guard.active + (guard.cut & ~restarted)
-        timing = packets_inside["timing"] & packets_inside["cut"]
+        timing = self.timing & packets_inside["cut"]
         invariant(m, others == Mux(self.closing, opened & ~timing, under_way), "frames in flight differ")
         invariant(m, ~timing | self.closing, "a time is due for nothing")
         drained = self.complete == 0
@@ -124,21 +124,21 @@ class VideoDetectorChecker(Elaboratable):
         ]
 
     def _progress(self, m: Module) -> None:
-        """No step takes for ever while the output is ready."""
+        """No step takes for ever while the output is ready, and is not taken up by a time record."""
         dut, guard, ready = self.dut, self.guard, self.dut.records.ready
-        going = ready & ~self.restart & ~self.closing
+        going = ready & ~self.restart & ~self.closing & ~self.timing
         within(m, 3, during=self.closing & ready, happens=guard.resume, name="closing does not end")
         cut = guard.cut & ~self.restarted & (self.complete == 0) & ready
         within(m, 2, during=cut, happens=self.restart, name="a cut frame is not followed by a restart")
         within(
             m,
-            2 * LATE + 2,
+            2 * LATE + 1,
             during=(self.complete != 0) & going,
             happens=self.packets.done,
             name="a complete frame does not end",
         )
         video = dut.video.valid & going & ~guard.cut
-        within(m, 2 * LATE + 3, during=video, happens=dut.video.ready, name="video is not taken")
+        within(m, 2 * LATE + 2, during=video, happens=dut.video.ready, name="video is not taken")
 
     def _detector_holds(self, m: Module, sent: Place) -> None:
         """The detector has seen what the guard has sent, and the count of frames inside is true."""

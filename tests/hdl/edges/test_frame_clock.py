@@ -53,18 +53,19 @@ def test_times_by_hand() -> None:
 
 
 def test_what_is_forgotten_has_no_time() -> None:
-    """Two of three frames are forgotten, and one start of frame waits meanwhile."""
-    steps: list[tuple[str, ...]] = [("arrives",), ("begins", "arrives"), ("begins", "arrives"), ("begins",)]
-    steps += [("arrives",), ("ends",), ("forget",), ("begins",), (), ("ends",), ()]
-    assert run(FrameClock(8), steps) == [0] * 5 + [0, 0, 0, 0, 4, 4]
-    assert run(FrameClock(8), [(), *steps])[6] == 1
-    # one ends in the very clock
-    assert run(
-        FrameClock(8), [(), *steps[:4], ("ends", "forget"), (), ("arrives",), ("begins",), ("ends",)]
-    ) == [
-        *[0] * 9,
-        7,
+    """Two of three frames are forgotten, while one start of frame waits at the input."""
+    steps: list[tuple[str, ...]] = [
+        (),
+        ("arrives",),
+        ("begins", "arrives"),
+        ("begins", "arrives"),
+        ("begins",),
     ]
+    after: list[tuple[str, ...]] = [("forget",), ("begins",), (), ("ends",), ()]
+    assert run(FrameClock(8), [*steps, ("arrives", "ends"), *after]) == [0] * 5 + [1] + [0] * 3 + [5, 5]
+    # the first ends in the very clock
+    together: list[tuple[str, ...]] = [("arrives",), ("ends", "forget"), ("begins",), ("ends",)]
+    assert run(FrameClock(8), [*steps, *together]) == [0] * 8 + [5]
 
 
 @pytest.mark.parametrize("most", [3, 4, 7, 50])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-from golden.output_constructor import FrameEnd, decode_frame_end, encode_frame_end
+from golden.output_constructor import FrameEnd, decode_frame_end, encode_frame_end, encode_frame_time
 from hdl.edges.packet_constructor import PacketConstructor
 from tests.hdl.edges.bench import counted, simulate
 
@@ -14,9 +14,12 @@ Frame = tuple[list[int], int | None]
 
 
 def run(
-    frames: list[Frame], max_records: int | None = None, ready: str = "1"
+    frames: list[Frame], max_records: int | None = None, ready: str = "1", *, send_time: bool = False
 ) -> tuple[list[int], Any, Counter[str]]:
-    """What comes out, a last beat with bit 64 set; the results at the end; the events."""
+    """What comes out, a last beat with bit 64 set; the results at the end; the events.
+
+    The time of frame k is 1000 k.
+    """
     dut = PacketConstructor()
     out: list[int] = []
     seen: Counter[str] = Counter()
@@ -27,6 +30,7 @@ def run(
         nonlocal over
         if max_records is not None:
             context.set(dut.max_records, max_records)
+        context.set(dut.send_time, send_time)
         for records, maximum in frames:
             last = [] if maximum is None else [encode_frame_end(FrameEnd(len(records), 0, maximum))]
             for word in records + last:
@@ -62,17 +66,23 @@ def run(
             clock += 1
 
     async def watch(context: Any) -> None:
+        ends = 0
         while not over:
             counted(context, dut.events, seen)
+            ends += context.get(dut.ended)
             await context.tick()
+            context.set(dut.time, 1000 * (ends - 1) if ends else 0)
 
     # in this order within each clock: what is ready, what is offered, what that means
     simulate(dut, take, feed, watch)
     return out, results, seen
 
 
+LAST = 1 << 64
+
+
 def end(records: int, frame: int, maximum: int, cut: bool = False) -> int:
-    return encode_frame_end(FrameEnd(records, frame, maximum, cut)) | 1 << 64
+    return encode_frame_end(FrameEnd(records, frame, maximum, cut)) | LAST
 
 
 FRAMES: list[Frame] = [([11, 12, 13], 700), ([], 5), ([14], None), ([], None), ([15, 16], 900)]
@@ -89,6 +99,21 @@ def test_packets_by_hand() -> None:
     for ready in ("1", "01", "0001", "110"):
         out, results, seen = run(FRAMES, ready=ready)
         assert out == PACKETS
+        assert results == {"frames": 5, "corners": 2, "dropped": 0, "maximum": 900}
+        assert seen == {"frame_done": 3, "frame_cut": 2}
+
+
+def test_packets_with_times_by_hand() -> None:
+    """A time follows each end and is the last; what is reported waits until it is taken."""
+    expected, frame = [], 0
+    for word in PACKETS:
+        expected.append(word & ~LAST)
+        if word & LAST:
+            expected.append(encode_frame_time(1000 * frame) | LAST)
+            frame += 1
+    for ready in ("1", "01", "0001", "110"):
+        out, results, seen = run(FRAMES, ready=ready, send_time=True)
+        assert out == expected
         assert results == {"frames": 5, "corners": 2, "dropped": 0, "maximum": 900}
         assert seen == {"frame_done": 3, "frame_cut": 2}
 
@@ -110,7 +135,7 @@ def test_no_records_at_all() -> None:
 
 def test_the_closing_record_is_the_golden_models() -> None:
     out, _, _ = run([([1], None)])
-    assert decode_frame_end(out[-1] & ~(1 << 64)) == FrameEnd(1, 0, 0, cut=True)
+    assert decode_frame_end(out[-1] & ~LAST) == FrameEnd(1, 0, 0, cut=True)
 
 
 def test_clear_counts_anew_but_leaves_the_output() -> None:
