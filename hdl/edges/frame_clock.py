@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Mux, Signal
+from amaranth.hdl import Module, Signal
 from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
@@ -30,7 +30,8 @@ class FrameClock(wiring.Component):
     Members
     -------
     arrives
-        The input takes a start of frame. Others wait before it in their order.
+        The input takes a start of frame, but not in the first clock after reset. Others wait before
+        it in their order.
     begins, drops
         The first of those that wait begins a frame, or is dropped.
     ends
@@ -41,7 +42,7 @@ class FrameClock(wiring.Component):
         Number of clocks since reset.
     time
         ``now`` when the first pixel of the frame that has ended last was taken, from the clock
-        after ``ends`` on. 0 if none has ended since ``forget``.
+        after ``ends`` on; 0 if none has, from the second clock after reset on.
     """
 
     def __init__(self, most: int) -> None:
@@ -59,23 +60,26 @@ class FrameClock(wiring.Component):
         self._count(m)
         m.submodules.memory = memory = Memory(shape=TIME_BITS, depth=self._depth, init=[])
         write, read = memory.write_port(), memory.read_port()
-        begun, known = Signal(range(self._depth)), Signal()
+        begun, first, second = Signal(range(self._depth)), Signal(init=1), Signal()
         m.d.comb += [
-            write.en.eq(self.arrives),
+            # in the first clock it is 0 that is stored, and read in the second one
+            write.en.eq(self.arrives | first),
             write.data.eq(self.now),
             # what is read stays until the next frame ends
-            read.en.eq(self.ends),
-            self.time.eq(Mux(known, read.data, 0)),
+            read.en.eq(self.ends | second),
+            self.time.eq(read.data),
         ]
         m.d.sync += [
+            first.eq(0),
+            second.eq(first),
             write.addr.eq(write.addr + self.arrives - self.drops),
             begun.eq(begun + self.begins),
         ]
         with m.If(self.ends):
-            m.d.sync += [read.addr.eq(read.addr + 1), known.eq(1)]
+            m.d.sync += read.addr.eq(read.addr + 1)
         with m.If(self.forget):
-            m.d.sync += [read.addr.eq(begun), known.eq(0)]
-        probe(self, memory=memory, write=write, read=read, begun=begun, known=known)
+            m.d.sync += read.addr.eq(begun)
+        probe(self, memory=memory, write=write, read=read, begun=begun, first=first, second=second)
         return m
 
     def _count(self, m: Module) -> None:

@@ -275,7 +275,7 @@ def _times() -> tuple[Register, ...]:
         _single(f"{name}_{half}", address + 4 * high, "ro", f"{text}, bits {bits}.", 32, unit)
         for name, address, text, unit in (
             ("NOW", 0x60, now, "Read the high half before and after it; if they differ, read again."),
-            ("FRAME_TIME", 0x68, frame, "Likewise. A cut frame has ended, too; 0: none has since reset."),
+            ("FRAME_TIME", 0x68, frame, "Likewise. A cut frame has ended, too. A soft reset keeps it."),
         )
         for high, half, bits in ((0, "LOW", "31:0"), (1, "HIGH", "63:32"))
     )

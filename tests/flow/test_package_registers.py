@@ -261,6 +261,23 @@ def test_the_limits_of_records_are_said_alike() -> None:
         assert f" {limits} " in status.text and f" {limits}." in registers["DROPPED"].fields[0].text
 
 
+@pytest.mark.parametrize(
+    ("start", "number", "reads"),
+    [(0, 2, 3), ((1 << 32) - 2, (1 << 32) + 2, 5), ((5 << 32) - 3, (5 << 32) + 1, 5)],
+)
+def test_two_halves_are_of_one_number(start: int, number: int, reads: int) -> None:
+    """A counter that goes on with each read."""
+    log: list[int] = []
+
+    def read(address: int) -> int:
+        log.append(address)
+        return (start + len(log)) >> 32 * (address == 0x64) & 0xFFFF_FFFF
+
+    registers = emitted(PARAMETERS).Cornerstream(read, lambda address, word: None)
+    assert registers.wide("NOW") == number
+    assert log == [0x64, *[0x60, 0x64] * (reads // 2)]
+
+
 def test_every_option_of_the_algorithm_is_in_capability() -> None:
     """What decides records can be read from a core, if not by a bit then by a number."""
     by_bit = {option for _, _, option, _, _ in OPTIONS}

@@ -14,7 +14,7 @@ import pytest
 
 from flow.package import driver_map, software_files
 from golden import Settings, decode
-from golden.output_constructor import FrameEnd, decode_frame_end, encode_frame_end
+from golden.output_constructor import FrameEnd, decode_frame_end, encode_frame_end, encode_frame_time
 from golden.video import Packet, VideoModel, VideoSettings, framed
 from hdl.build import Build
 from hdl.edges.register_map import register_map
@@ -82,6 +82,36 @@ int main(void)
     return words[7] == (480u << 16 | 640u) &&
            CORNERSTREAM_GET(SIZE_WIDTH, CORNERSTREAM_READ(words, CORNERSTREAM_SIZE)) == 640u &&
            CORNERSTREAM_GET(SIZE_HEIGHT, CORNERSTREAM_READ(words, CORNERSTREAM_SIZE)) == 480u ? 0 : 1;
+}
+"""
+
+
+# A counter that goes on with each read, from a start given as an argument.
+COUNTER = """\
+#include <inttypes.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+static uint64_t counter;
+static unsigned reads;
+static uint32_t next(uint32_t offset);
+#define CORNERSTREAM_READ(base, offset) ((void)(base), next(offset))
+#include "cornerstream.h"
+static uint32_t next(uint32_t offset)
+{
+    ++reads;
+    ++counter;
+    return offset == CORNERSTREAM_NOW_LOW    ? (uint32_t)counter
+           : offset == CORNERSTREAM_NOW_HIGH ? (uint32_t)(counter >> 32)
+           : offset == CORNERSTREAM_FRAME_TIME_LOW ? 7u
+                                                   : 9u;
+}
+int main(int count, char **arguments)
+{
+    counter = strtoull(arguments[count - 1], NULL, 0);
+    printf("%" PRIu64, cornerstream_now(NULL));
+    printf(" %u", reads);
+    return cornerstream_frame_time(NULL) != ((uint64_t)9 << 32 | 7u);
 }
 """
 
@@ -181,6 +211,32 @@ def test_registers_are_reached_through_a_pointer(software: Path) -> None:
     subprocess.run([compiled(software, PLAIN, c_compiler(), "-std=c99")], check=True)
     cxx = list(find_compiler().command)
     subprocess.run([compiled(software, PLAIN, cxx, "-std=c++11", suffix=".cc")], check=True)
+
+
+@pytest.mark.parametrize(
+    ("start", "read", "reads"),
+    [
+        (0, 2, 3),
+        # the carry comes before the low half is read, at that, and after it
+        ((1 << 32) - 2, (1 << 32) + 2, 5),
+        ((5 << 32) - 3, (5 << 32) + 1, 5),
+        ((5 << 32) - 1, (5 << 32) + 1, 3),
+    ],
+)
+def test_two_halves_are_of_one_number(software: Path, start: int, read: int, reads: int) -> None:
+    program = compiled(software, COUNTER, c_compiler(), "-std=c99")
+    done = subprocess.run([program, str(start)], capture_output=True, text=True, check=True)
+    assert done.stdout == f"{read} {reads}"
+
+
+def test_the_example_prints_times(software: Path) -> None:
+    packet = np.append(recorded().records, np.uint64(encode_frame_time(1 << 59 | 12)))
+    program = compiled(software, FAKE, c_compiler(), "-std=c99")
+    largest = f"{HEIGHT << 16 | WIDTH:#x}"
+    done = subprocess.run(
+        [program, largest], input=packet.tobytes(), capture_output=True, text=False, check=True
+    )
+    assert done.stdout.decode().endswith(f", first pixel in clock {1 << 59 | 12}\n")
 
 
 def test_two_cores_are_in_one_program(tmp_path: Path) -> None:

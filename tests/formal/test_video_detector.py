@@ -124,7 +124,7 @@ class VideoDetectorChecker(Elaboratable):
         ]
 
     def _progress(self, m: Module) -> None:
-        """No step takes for ever while the output is ready, and is not taken up by a time record."""
+        """No step takes for ever while the output is ready and not taken up by a time record."""
         dut, guard, ready = self.dut, self.guard, self.dut.records.ready
         going = ready & ~self.restart & ~self.closing & ~self.timing
         within(m, 3, during=self.closing & ready, happens=guard.resume, name="closing does not end")
@@ -227,7 +227,7 @@ EXACT = Claim(
         Fault("(guard.cut & empty)", "guard.cut", "a complete frame is lost", within=12),
         Fault("guard.active | guard.cut | ~drained", "guard.active", "is not closed", within=8),
         Fault("stopped.eq(restart | closing)", "stopped.eq(restart)", "guard: resume without", within=10),
-        Fault("self._build.queue_depth + 32", "1", "inside: ", within=10),
+        Fault("self._build.queue_depth + 31", "0", "inside: ", within=10),
     ),
 )
 RESET = Claim(

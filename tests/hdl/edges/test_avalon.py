@@ -12,6 +12,7 @@ from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden import Parameters, Settings
+from golden.output_constructor import encode_frame_time
 from golden.preprocessing import Image
 from golden.video import Event, VideoModel, VideoSettings, framed
 from hdl.build import Build
@@ -136,30 +137,32 @@ def test_pixels_between_packets_are_dropped() -> None:
     run(stray + video_packet(IMAGES[0]) + stray + video_packet(IMAGES[1]), [framed(i) for i in IMAGES[:2]])
 
 
+async def write(context: Any, dut: AvalonCore, name: str, value: int, enable: int = 0xF) -> None:
+    context.set(dut.avs_registers_address, ADDRESSES[name])
+    context.set(dut.avs_registers_writedata, value)
+    context.set(dut.avs_registers_byteenable, enable)
+    context.set(dut.avs_registers_write, 1)
+    await context.tick()
+    context.set(dut.avs_registers_write, 0)
+
+
+async def read(context: Any, dut: AvalonCore, names: list[str]) -> list[int]:
+    """Reads in clock after clock: so are the answers, two clocks late."""
+    got, valid = [], []
+    for clock in range(len(names) + 4):
+        context.set(dut.avs_registers_read, int(clock < len(names)))
+        if clock < len(names):
+            context.set(dut.avs_registers_address, ADDRESSES[names[clock]])
+        valid.append(context.get(dut.avs_registers_readdatavalid))
+        if valid[-1]:
+            got.append(context.get(dut.avs_registers_readdata))
+        await context.tick()
+    assert valid == [0, 0, *[1] * len(names), 0, 0]
+    return got
+
+
 def test_registers() -> None:
     dut = AvalonCore(PARAMETERS)
-
-    async def write(context: Any, name: str, value: int, enable: int = 0xF) -> None:
-        context.set(dut.avs_registers_address, ADDRESSES[name])
-        context.set(dut.avs_registers_writedata, value)
-        context.set(dut.avs_registers_byteenable, enable)
-        context.set(dut.avs_registers_write, 1)
-        await context.tick()
-        context.set(dut.avs_registers_write, 0)
-
-    async def read(context: Any, names: list[str]) -> list[int]:
-        """Reads in clock after clock: so are the answers, two clocks late."""
-        got, valid = [], []
-        for clock in range(len(names) + 4):
-            context.set(dut.avs_registers_read, int(clock < len(names)))
-            if clock < len(names):
-                context.set(dut.avs_registers_address, ADDRESSES[names[clock]])
-            valid.append(context.get(dut.avs_registers_readdatavalid))
-            if valid[-1]:
-                got.append(context.get(dut.avs_registers_readdata))
-            await context.tick()
-        assert valid == [0, 0, *[1] * len(names), 0, 0]
-        return got
 
     async def bench(context: Any) -> None:
         # asked for in reset, it waits; afterwards nothing does
@@ -172,21 +175,69 @@ def test_registers() -> None:
         assert not context.get(dut.avs_registers_waitrequest) and context.get(dut.asi_video_ready)
         context.set(dut.avs_registers_read, 0)
         context.set(dut.avs_registers_write, 0)
-        assert await read(context, ["ID", "SIGMA1", "ID"]) == [IDENTITY, SIGMA1, IDENTITY]
-        assert await read(context, ["ID", "SIZE", "ID"]) == [IDENTITY, WIDTH | HEIGHT << 16, IDENTITY]
-        await write(context, "SIZE", 20 | 18 << 16)
-        await write(context, "SIGMA1", 0x1234)
-        await write(context, "SIGMA1", 0xFFFFFF56, 0b0001)
-        await write(context, "SIZE", 2000 | 18 << 16)
-        await write(context, "ID", 0)
-        got = await read(context, ["SIZE", "SIGMA1", "STATUS", "ID"])
+        assert await read(context, dut, ["ID", "SIGMA1", "ID"]) == [IDENTITY, SIGMA1, IDENTITY]
+        assert await read(context, dut, ["ID", "SIZE", "ID"]) == [IDENTITY, WIDTH | HEIGHT << 16, IDENTITY]
+        await write(context, dut, "SIZE", 20 | 18 << 16)
+        await write(context, dut, "SIGMA1", 0x1234)
+        await write(context, dut, "SIGMA1", 0xFFFFFF56, 0b0001)
+        await write(context, dut, "SIZE", 2000 | 18 << 16)
+        await write(context, dut, "ID", 0)
+        got = await read(context, dut, ["SIZE", "SIGMA1", "STATUS", "ID"])
         assert got == [20 | 18 << 16, 0x1256, Event.SIZE_REFUSED, IDENTITY]
         assert not context.get(dut.ins_irq_irq)
-        await write(context, "IRQ_ENABLE", Event.SIZE_REFUSED)
+        await write(context, dut, "IRQ_ENABLE", Event.SIZE_REFUSED)
         await context.tick()
         assert context.get(dut.ins_irq_irq)
 
     simulate(dut, bench)
+
+
+def test_times() -> None:
+    """A frame's time is the clock in which its first pixel is taken, after the packet's type."""
+    dut, image = AvalonCore(PARAMETERS), IMAGES[0][:16, :20]
+    words: list[int] = []
+    starts: list[int] = []
+    clock, over = 0, False
+
+    async def bench(context: Any) -> None:
+        nonlocal over
+        context.set(dut.aso_records_ready, 1)
+        await context.tick()
+        await write(context, dut, "SIZE", 20 | 16 << 16)
+        await write(context, dut, "CONTROL", 0b100001)
+        for _ in range(3):
+            for number, beat in enumerate(video_packet(image)):
+                context.set(dut.asi_video_valid, 1)
+                context.set(dut.asi_video_data, beat & 0xFF)
+                context.set(dut.asi_video_startofpacket, beat >> 8 & 1)
+                context.set(dut.asi_video_endofpacket, beat >> 9)
+                while not context.get(dut.asi_video_ready):
+                    await context.tick()
+                if number == 1:
+                    starts.append(clock)
+                await context.tick()
+                context.set(dut.asi_video_valid, 0)
+                if number == 0:
+                    # the type came earlier
+                    await context.tick().repeat(5)
+        while len(words) < 3:
+            await context.tick()
+        now = clock
+        names = ["NOW_LOW", "NOW_HIGH", "FRAME_TIME_LOW", "FRAME_TIME_HIGH", "NOW_LOW"]
+        assert await read(context, dut, names) == [now + 1, 0, starts[-1], 0, now + 5]
+        over = True
+
+    async def take(context: Any) -> None:
+        nonlocal clock
+        while not over:
+            if context.get(dut.aso_records_valid) and context.get(dut.aso_records_endofpacket):
+                words.append(context.get(dut.aso_records_data))
+            await context.tick()
+            clock += 1
+
+    # in this order within each clock
+    simulate(dut, take, bench)
+    assert words == [encode_frame_time(start) for start in starts]
 
 
 def test_no_video_out() -> None:

@@ -7,6 +7,7 @@ from collections import deque
 from typing import Any
 
 import pytest
+from amaranth.hdl import ResetInserter, Signal
 
 import hdl.edges.frame_clock
 from hdl.edges.frame_clock import FrameClock
@@ -52,7 +53,7 @@ def test_times_by_hand() -> None:
     assert run(FrameClock(4), steps) == [0] * 6 + [1] * 6 + [3] + [10] * 2
 
 
-def test_what_is_forgotten_has_no_time() -> None:
+def test_what_is_forgotten_never_ends() -> None:
     """Two of three frames are forgotten, while one start of frame waits at the input."""
     steps: list[tuple[str, ...]] = [
         (),
@@ -62,10 +63,10 @@ def test_what_is_forgotten_has_no_time() -> None:
         ("begins",),
     ]
     after: list[tuple[str, ...]] = [("forget",), ("begins",), (), ("ends",), ()]
-    assert run(FrameClock(8), [*steps, ("arrives", "ends"), *after]) == [0] * 5 + [1] + [0] * 3 + [5, 5]
+    assert run(FrameClock(8), [*steps, ("arrives", "ends"), *after]) == [0] * 5 + [1] * 4 + [5, 5]
     # the first ends in the very clock
     together: list[tuple[str, ...]] = [("arrives",), ("ends", "forget"), ("begins",), ("ends",)]
-    assert run(FrameClock(8), [*steps, *together]) == [0] * 8 + [5]
+    assert run(FrameClock(8), [*steps, *together]) == [0] * 6 + [1, 1, 5]
 
 
 @pytest.mark.parametrize("most", [3, 4, 7, 50])
@@ -74,10 +75,10 @@ def test_any_order_against_a_queue(most: int) -> None:
     random_ = random.Random(most)
     waiting: deque[int] = deque()
     begun: deque[int] = deque()
-    steps: list[tuple[str, ...]] = []
-    expected: list[int] = []
+    steps: list[tuple[str, ...]] = [()]
+    expected = [0]
     time = full = 0
-    for clock in range(4000):
+    for clock in range(1, 4000):
         step = []
         # in turn it fills and it drains
         often, seldom = (0.6, 0.05) if clock % 400 < 200 else (0.1, 0.4)
@@ -95,7 +96,6 @@ def test_any_order_against_a_queue(most: int) -> None:
         elif random_.random() < 0.005:
             step.append("forget")
             begun.clear()
-            time = 0
         if room and random_.random() < often and "drops" not in step:
             step.append("arrives")
             waiting.append(clock)
@@ -110,3 +110,25 @@ def test_the_halves_count_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """A counter that is short enough to see each carry."""
     monkeypatch.setattr(hdl.edges.frame_clock, "TIME_BITS", 8)
     assert run(FrameClock(3), [()] * 256) == [0] * 256
+
+
+def test_a_reset_takes_the_time_back() -> None:
+    """What the memory holds survives a reset, but is not shown."""
+    dut = FrameClock(3)
+    reset = Signal()
+
+    async def bench(context: Any) -> None:
+        for name in ((), "arrives", "begins", "ends", ()):
+            for each in ACTIONS:
+                context.set(getattr(dut, each), each == name)
+            await context.tick()
+        assert context.get(dut.time) == 1
+        context.set(reset, 1)
+        await context.tick()
+        context.set(reset, 0)
+        for now in range(3):
+            assert context.get(dut.now) == now
+            await context.tick()
+            assert now == 0 or context.get(dut.time) == 0
+
+    simulate(ResetInserter(reset)(dut), bench)
