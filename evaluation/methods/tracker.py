@@ -37,15 +37,15 @@ class Tracks:
     correlation
         (height, width), -1 to 1; 0 where the patch would leave the image.
     dx, dy
-        (height, width) whole pixels from the pixel to its partner.
+        (height, width) int8, whole pixels from the pixel to its partner.
     return_error
         (height, width) pixels between it and its partner's own best partner.
     """
 
     correlation: Floats
-    dx: NDArray[np.int32]
-    dy: NDArray[np.int32]
-    return_error: NDArray[np.float64]
+    dx: NDArray[np.int8]
+    dy: NDArray[np.int8]
+    return_error: Floats
 
     @property
     def tracked(self) -> NDArray[np.bool_]:
@@ -105,13 +105,29 @@ def track(first: Image, second: Image, *, reach: int = REACH, window: int = WIND
         correlation *= weight_2[there]
         forwards.offer(here, correlation, which)
         backwards.offer(there, correlation, which)
-    return _joined(forwards, backwards, np.array(shifts, np.int32))
+    return _joined(forwards, backwards, np.array(shifts, np.int8))
 
 
-def _joined(forwards: _Best, backwards: _Best, shifts: NDArray[np.int32]) -> Tracks:
+def _joined(forwards: _Best, backwards: _Best, shifts: NDArray[np.int8]) -> Tracks:
     dy, dx = np.moveaxis(shifts[forwards.which], -1, 0)
     y, x = np.indices(forwards.which.shape)
     # a pixel that correlates with nothing has the first shift, which may lead out of the image
     partner = (np.clip(y + dy, 0, y.max()), np.clip(x + dx, 0, x.max()))
     back_dy, back_dx = np.moveaxis(shifts[backwards.which[partner]], -1, 0)
-    return Tracks(forwards.correlation, dx, dy, np.hypot(dx - back_dx, dy - back_dy))
+    return_error = np.hypot(dx - back_dx, dy - back_dy, dtype=np.float32)
+    return Tracks(forwards.correlation, dx, dy, return_error)
+
+
+class TrackCache:
+    """Tracks of pairs of images that were asked for before: two sections track the same pairs."""
+
+    def __init__(self) -> None:
+        # an image is known by its identity, which is its own only as long as it is kept
+        self._kept: dict[tuple[int, int], tuple[Image, Image, Tracks]] = {}
+
+    def tracks(self, first: Image, second: Image) -> Tracks:
+        """:func:`track` of these very arrays."""
+        key = (id(first), id(second))
+        if key not in self._kept:
+            self._kept[key] = first, second, track(first, second)
+        return self._kept[key][2]

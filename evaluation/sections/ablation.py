@@ -14,7 +14,7 @@ from evaluation.inputs import views
 from evaluation.inputs.sources import STRUCTURE, TEXTURE, Pair
 from evaluation.methods.detectors import MODES, PLAIN, PLAIN_PARAMETERS, DetectionCache, Detector, Ours
 from evaluation.methods.grouping import parts_of, take
-from evaluation.methods.tracker import track
+from evaluation.methods.tracker import TrackCache
 from evaluation.presentation import plots as style
 from evaluation.presentation.modes import PARTS
 from evaluation.presentation.numbers import figure, number, percent
@@ -54,7 +54,7 @@ def chosen(pairs: list[Pair]) -> list[Pair]:
     return [pair for pair in pairs if pair.name in VIEWS or pair.name not in rendered]
 
 
-def ablation(pairs: list[Pair], *, notify: Notify | None = None) -> Figures:
+def ablation(pairs: list[Pair], tracks_of: TrackCache, *, notify: Notify | None = None) -> Figures:
     """Repeatability and rho of each step, and what it gains over ranking by D, by class of scene.
 
     Repeatability over the pairs with a homography, rho over those in the tracker's reach. On each
@@ -66,7 +66,7 @@ def ablation(pairs: list[Pair], *, notify: Notify | None = None) -> Figures:
     tracked: dict[str, list[robustness.Score]] = {detector.name: [] for detector in detectors}
     near = robustness.trackable(pairs)
     for done, pair in enumerate(near, start=1):
-        tracks = track(pair.first, pair.second)
+        tracks = tracks_of.tracks(pair.first, pair.second)
         for name, points in robustness.corners_of(pair, detectors, mode, cache).items():
             tracked[name].append(robustness.score(pair, points, tracks))
         if notify:
@@ -110,7 +110,7 @@ def measure(material: Material) -> Figures:
     """Videos, some of the rendered views, and the user's pairs."""
     some = chosen(material.moving)
     with material.progress("steps of robust", len(robustness.trackable(some))) as advance:
-        return ablation(some, notify=advance)
+        return ablation(some, material.tracked, notify=advance)
 
 
 def tables(found: Figures) -> dict[str, Table]:

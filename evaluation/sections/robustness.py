@@ -22,7 +22,14 @@ from evaluation.methods.detectors import (
 )
 from evaluation.methods.grouping import by_scene, figures_of_parts, parts_of
 from evaluation.methods.matching import TOLERANCE, project
-from evaluation.methods.tracker import LARGEST_RETURN_ERROR, LEAST_CORRELATION, REACH, WINDOW, Tracks, track
+from evaluation.methods.tracker import (
+    LARGEST_RETURN_ERROR,
+    LEAST_CORRELATION,
+    REACH,
+    WINDOW,
+    TrackCache,
+    Tracks,
+)
 from evaluation.presentation import paper_accuracy as paper
 from evaluation.presentation import plots as style
 from evaluation.presentation.modes import draw_parts, mode_tables, some
@@ -129,7 +136,9 @@ def mode_figures(pairs: list[Pair], found: dict[str, list[Score]]) -> Figures:
     return figures_of_parts(pairs, found, parts, summary, gain)
 
 
-def robustness(pairs: list[Pair], detectors: list[Detector], *, notify: Notify | None = None) -> Figures:
+def robustness(
+    pairs: list[Pair], detectors: list[Detector], tracked: TrackCache, *, notify: Notify | None = None
+) -> Figures:
     """Every mode over all pairs that the tracker can reach across."""
     chosen, modes = trackable(pairs), modes_of(detectors)
     cache = DetectionCache()
@@ -137,7 +146,7 @@ def robustness(pairs: list[Pair], detectors: list[Detector], *, notify: Notify |
         mode.name: {detector.name: [] for detector in detectors} for mode in modes
     }
     for done, pair in enumerate(chosen, start=1):
-        tracks = track(pair.first, pair.second)
+        tracks = tracked.tracks(pair.first, pair.second)
         for mode in modes:
             for name, points in corners_of(pair, detectors, mode, cache).items():
                 found[mode.name][name].append(score(pair, points, tracks))
@@ -160,7 +169,7 @@ def robustness(pairs: list[Pair], detectors: list[Detector], *, notify: Notify |
 def measure(material: Material) -> Figures:
     """Videos, rendered views and the user's pairs."""
     with material.progress("robustness", len(trackable(material.moving))) as advance:
-        return robustness(material.moving, detectors(material.profiles), notify=advance)
+        return robustness(material.moving, detectors(material.profiles), material.tracked, notify=advance)
 
 
 def tables(found: Figures) -> dict[str, Table]:

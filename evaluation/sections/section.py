@@ -12,6 +12,7 @@ from evaluation.figures import Figures, Notify
 from evaluation.inputs.boards import Board
 from evaluation.inputs.sources import NamedImage, Pair, packaged_videos, photographs
 from evaluation.inputs.views import QUICK_VIEWS, VIEWS, rendered_pairs
+from evaluation.methods.tracker import TrackCache
 from evaluation.presentation.table import Table
 from golden import Parameters
 
@@ -65,12 +66,15 @@ class Material:
         Images that the user gave.
     progress
         Shows how far a section is.
+    tracked
+        Pairs that a section has tracked.
     """
 
     profiles: dict[str, Parameters]
     quick: bool = False
     user: UserData = field(default_factory=UserData)
     progress: Progress = _silent
+    tracked: TrackCache = field(default_factory=TrackCache)
 
     @cached_property
     def views(self) -> list[Pair]:

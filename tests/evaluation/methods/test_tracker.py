@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from evaluation.inputs.sources import Pair
 from evaluation.methods.detectors import MODES, DetectionCache, detectors
-from evaluation.methods.tracker import LEAST_CORRELATION, WINDOW, track
+from evaluation.methods.tracker import LEAST_CORRELATION, WINDOW, TrackCache, track
 from evaluation.sections.robustness import Score, corners_of, farthest, robustness, score, trackable
 from tests.support import profiles
 
@@ -125,7 +125,7 @@ def test_rho_of_the_same_image_and_of_another(grass: NDArray[np.uint8]) -> None:
     noise = np.random.default_rng(0).integers(0, 256, grass.shape, np.uint8)
     same = Pair("same", "grass", "texture", grass, grass.copy())
     other = Pair("other", "noise", "texture", grass, noise)
-    found = robustness([same, other], ALL)
+    found = robustness([same, other], ALL, TrackCache())
     assert found["pairs"] == 2 and found["left_out"] == 0 and found["videos"] == ["other", "same"]
     equal = found["modes"][MODES[0].name]
     for name, parts in equal.items():
@@ -143,3 +143,11 @@ def test_as_many_as_paper(grass: NDArray[np.uint8]) -> None:
     found = corners_of(pair, ALL, same, DetectionCache())
     fewest = min(len(detector.ranked(grass, same.thresholds)) for detector in ALL)
     assert wanted > 10 and {len(points) for points in found.values()} == {min(wanted, fewest)}
+
+
+def test_a_pair_is_tracked_once(grass: NDArray[np.uint8]) -> None:
+    first, second = grass[:60, :70].copy(), grass[1:61, 2:72].copy()
+    cache = TrackCache()
+    tracks = cache.tracks(first, second)
+    assert cache.tracks(first, second) is tracks and cache.tracks(first, second.copy()) is not tracks
+    assert tracks.dx[30, 30] == -2 and tracks.dy[30, 30] == -1

@@ -12,6 +12,7 @@ pytest.importorskip("cv2")
 from evaluation.inputs.sources import TEXTURE, NamedImage, Pair
 from evaluation.inputs.views import VIEWS, rendered_pairs
 from evaluation.methods.detectors import PLAIN, Ours
+from evaluation.methods.tracker import TrackCache
 from evaluation.sections.ablation import ADAPTIVE, PAPER_FILTER, ablation, chosen, steps
 from tests.support.photographs import photograph
 
@@ -31,7 +32,7 @@ def test_views_of_photographs_are_chosen_and_all_other_pairs() -> None:
 
 def test_gains_over_ranking_by_d() -> None:
     image = NamedImage("gravel", photograph("gravel")[:260, :300], TEXTURE)
-    result = ablation(rendered_pairs([image], VIEWS[:1]))
+    result = ablation(rendered_pairs([image], VIEWS[:1]), TrackCache())
     assert (result["pairs"], result["scenes"]) == (1, ["gravel"])
     repeatability = {name: step["repeatability"][TEXTURE] for name, step in result["steps"].items()}
     assert len({step["corners"] for step in repeatability.values()}) == 1
