@@ -131,6 +131,11 @@ class Parameters:
         return {**size, **{name: getattr(self.algorithm, name) for name in options(Algorithm)}, **own}
 
     @property
+    def counts_found(self) -> bool:
+        """Are corners counted that a limit or cells leave out?"""
+        return self.budget or self.max_per_cell > 0
+
+    @property
     def max_cells(self) -> int:
         """Most cells of a row, the last of which may be a part of one."""
         return -(-self.max_width // self.min_cell_width)

@@ -13,6 +13,7 @@ from golden.output_constructor import COUNT_BITS
 from golden.parameters import Parameters
 from golden.textures import TEXTURES
 from hdl.build import Build
+from hdl.cell_grid import CellGrid, cell_layout, cell_settings_layout
 from hdl.corner_detection import corner_layout
 from hdl.fits import derivatives_layout
 from hdl.parts.optional import optional
@@ -28,7 +29,8 @@ def pending_record_layout(parameters: Parameters) -> data.StructLayout:
     """What a record needs besides the offset. With ``end`` it is the end of a frame, not a corner.
 
     The response of an end is the frame's largest. With ``budget`` its x and y are, side by side,
-    the number of corners that the frame had.
+    the number of corners that the frame had. With ``max_per_cell`` there is a ``cell_layout``,
+    whose ``row_end`` is the end of a row of cells, which may be a frame's end, too.
     """
     return data.StructLayout(
         {
@@ -37,6 +39,7 @@ def pending_record_layout(parameters: Parameters) -> data.StructLayout:
             "response": parameters.response_bits,
             "textured": 1,
             "end": 1,
+            **optional(parameters.max_per_cell > 0, cell=cell_layout(parameters)),
         }
     )
 
@@ -73,7 +76,8 @@ class CandidateSelection(wiring.Component):
     thresholds at which there can be no corner.
 
     With ``budget``, once a frame has had ``max_corners`` that the texture filter accepts, no more
-    of its corners are picked; 0 is no limit. All are counted.
+    of its corners are picked; 0 is no limit. All are counted. Where cells choose, the limit comes
+    after them, in another block.
 
     Members
     -------
@@ -99,6 +103,8 @@ class CandidateSelection(wiring.Component):
     max_corners, rank
         With ``budget`` only: the limit, and whether textured peaks are counted, too; steady from
         before a frame's first window to its last.
+    cells
+        With ``max_per_cell`` only: ``cell_settings_layout()``, as steady as the limit.
     counted, strength
         With ``budget`` only: in this clock there is a corner that counts whatever T1 is, and its
         response.
@@ -127,6 +133,7 @@ class CandidateSelection(wiring.Component):
                     counted=Out(1),
                     strength=Out(parameters.response_bits),
                 ),
+                **optional(parameters.max_per_cell > 0, cells=In(cell_settings_layout())),
             }
         )
 
@@ -163,12 +170,14 @@ class CandidateSelection(wiring.Component):
         # candidate
         m.d.sync += ending.eq(self.last)
 
-        picked = Signal()
+        picked, closing = Signal(), Signal()
+        if p.max_per_cell:
+            self._cell(m, step, closing, pending.i.payload.cell)
         m.d.comb += [
             picked.eq(step & corner.corner & verdict.keep & allowed),
             candidates.i.valid.eq(picked),
             candidates.i.payload.eq(self.surfaces.payload),
-            pending.i.valid.eq(picked | ending),
+            pending.i.valid.eq(picked | ending | closing),
             pending.i.payload.x.eq(place[0]),
             pending.i.payload.y.eq(place[1]),
             pending.i.payload.response.eq(Mux(ending, self.largest, verdict.response)),
@@ -211,7 +220,8 @@ class CandidateSelection(wiring.Component):
             # what is left of D is what counts; whether it is above T1 does not
             counts = verdict.response.any()
         m.d.comb += [self.counted.eq(step & corner.peak & counts), self.strength.eq(verdict.response)]
-        m.d.sync += allowed.eq((self.max_corners == 0) | (accepted != self.max_corners))
+        chosen = self.cells.per_cell != 0 if self._parameters.max_per_cell else C(0)
+        m.d.sync += allowed.eq(chosen | (self.max_corners == 0) | (accepted != self.max_corners))
         with m.If(ending):
             m.d.sync += [found.eq(0), accepted.eq(0)]
         with m.Elif(step & corner.corner & verdict.keep):
@@ -220,6 +230,25 @@ class CandidateSelection(wiring.Component):
                 m.d.sync += accepted.eq(accepted + 1)
         halves = found[:PIXEL_COORDINATE_BITS], found[PIXEL_COORDINATE_BITS:]
         return allowed, (Mux(ending, halves[0], place[0]), Mux(ending, halves[1], place[1]))
+
+    def _cell(self, m: Module, step: Signal, closing: Signal, cell: Any) -> None:
+        """The cell of a pending record, and whether a row of cells has ended, a clock later."""
+        m.submodules.cell_grid = grid = CellGrid(self._parameters)
+        # at a frame's end they are still those of this frame
+        per_cell, limit = Signal.like(self.cells.per_cell, name="per_cell"), Signal(BUDGET_BITS)
+        m.d.sync += [per_cell.eq(self.cells.per_cell), closing.eq(grid.row_end & (per_cell != 0))]
+        m.d.comb += [
+            grid.step.eq(step),
+            grid.eol.eq(self.corners.payload.eol),
+            grid.eof.eq(self.corners.payload.eof),
+            grid.settings.eq(self.cells),
+            cell.column.eq(grid.column),
+            cell.per_cell.eq(per_cell),
+            cell.row_end.eq(closing),
+        ]
+        if self._parameters.budget:
+            m.d.sync += limit.eq(self.max_corners)
+            m.d.comb += cell.max_corners.eq(limit)
 
     def _corner_flags(self, m: Module, step: Signal, allowed: Value) -> Value:
         """A corner flag of every window into a queue of its own; returns whether that has room."""

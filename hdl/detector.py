@@ -55,15 +55,17 @@ class Detector(wiring.Component):
         As in ``golden.Settings``; use_constant is its ``reference="constant"``.
     max_corners, target_corners, reference_rank, smoothing
         With ``budget`` only: as in ``golden.Settings``.
+    cell_width, cell_height, per_cell
+        With ``max_per_cell`` only: as in ``golden.Settings``.
     o
-        Stream of ``record_layout()``: the frame's corners in raster order, then its end-of-frame
-        record.
+        Stream of ``record_layout()``: the frame's corners in raster order, or in that of
+        ``golden.cell_selection``, then its end-of-frame record.
     corner_flags
         With ``video_out`` only: stream of ``corner_flag_layout()``, one for each pixel that can be
         a corner.
     found
-        With ``budget`` only: corners of the frame whose end-of-frame record is on offer, not only
-        those reported.
+        With ``budget`` or ``max_per_cell`` only: corners of the frame whose end-of-frame record is
+        on offer, not only those reported.
     adapted, adapting
         With ``budget`` only: ``adapted_layout(parameters)`` for the next frame, and that it is not
         ready yet.
@@ -86,9 +88,9 @@ class Detector(wiring.Component):
                 **settings_members(p),
                 "o": Out(stream.Signature(record_layout())),
                 **optional(p.video_out, corner_flags=Out(stream.Signature(corner_flag_layout()))),
+                **optional(p.counts_found, found=Out(COUNT_BITS)),
                 **optional(
                     p.budget,
-                    found=Out(COUNT_BITS),
                     adapted=Out(adapted),
                     adapting=Out(1),
                     history=In(adapted),
@@ -126,9 +128,16 @@ class Detector(wiring.Component):
 
     @property
     def refinement_latency(self) -> int:
-        """Most clocks that a frame's end waits for corners: a full queue, and the refinement."""
-        subpixel = self._records.subpixel
-        return (self._parameters.queue_depth + 1) * subpixel.interval + subpixel.latency
+        """Most clocks that a frame's end waits for corners: a full queue, and the refinement.
+
+        Where cells choose, their last two rows come out, too.
+        """
+        subpixel, selection = self._records.subpixel, self._records.cell_selection
+        each, cells = subpixel.interval, 0
+        if selection:
+            each = max(each, selection.insertion.clocks)
+            cells = 2 * selection.readout.clocks + selection.insertion.clocks
+        return (self._parameters.queue_depth + 1) * each + subpixel.latency + cells
 
     def frame_latency(self, width: int) -> int:
         """Clocks from a frame's last pixel to its end-of-frame record, for either buffering.

@@ -12,6 +12,7 @@ from amaranth.lib.wiring import In, Out
 from golden.output_constructor import COUNT_BITS
 from hdl.build import Build
 from hdl.candidate_selection import pending_record_layout
+from hdl.cell_selection import CellSelection
 from hdl.fits import derivatives_layout
 from hdl.output_constructor import OutputConstructor, record_layout
 from hdl.parts.nets import connect_by_name
@@ -22,8 +23,10 @@ from hdl.subpixel import Subpixel
 class RecordStage(wiring.Component):
     """Records out of candidates.
 
-        candidates ─ subpixel ─┬─ output constructor ─ records
+        candidates ─ subpixel ─┬─ output constructor ─ (cell selection) ─ records
         pending records ───────┘
+
+    The cell selection is built with ``max_per_cell``.
 
     Members
     -------
@@ -34,25 +37,29 @@ class RecordStage(wiring.Component):
     o
         Stream of ``record_layout()``.
     found
-        With ``budget`` only: see :class:`hdl.output_constructor.OutputConstructor`.
+        With ``budget`` or ``max_per_cell`` only: corners of the frame whose end-of-frame record is
+        on offer, not only those reported.
     """
 
     def __init__(self, parameters: Build) -> None:
         self.subpixel = Subpixel(parameters)
         self.output_constructor = OutputConstructor(parameters)
+        chooses = parameters.max_per_cell > 0
+        self.cell_selection = CellSelection(parameters) if chooses else None
         super().__init__(
             {
                 "candidate": In(stream.Signature(derivatives_layout(parameters))),
                 "pending": In(stream.Signature(pending_record_layout(parameters))),
                 "o": Out(stream.Signature(record_layout())),
-                **optional(parameters.budget, found=Out(COUNT_BITS)),
+                **optional(parameters.counts_found, found=Out(COUNT_BITS)),
             }
         )
 
     @property
     def blocks(self) -> dict[str, Any]:
         """The blocks that an end-of-frame record passes, by name, each with a ``latency``."""
-        return {"output constructor": self.output_constructor}
+        selection = {"cell selection": self.cell_selection} if self.cell_selection else {}
+        return {"output constructor": self.output_constructor, **selection}
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -60,5 +67,11 @@ class RecordStage(wiring.Component):
         m.submodules.output_constructor = constructor = self.output_constructor
         wiring.connect(m, wiring.flipped(self.candidate), subpixel.i)
         wiring.connect(m, subpixel.o, constructor.offset)
-        connect_by_name(m, wiring.flipped(self), constructor)
+        if selection := self.cell_selection:
+            m.submodules.cell_selection = selection
+            connect_by_name(m, wiring.flipped(self), constructor, names={"pending"})
+            wiring.connect(m, constructor.o, selection.i)
+            connect_by_name(m, wiring.flipped(self), selection, names={"o", "found"})
+        else:
+            connect_by_name(m, wiring.flipped(self), constructor)
         return m

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Mux, Signal, Value
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Member, Out
 
@@ -12,6 +12,7 @@ from golden.algorithm import Texture
 from golden.formats import (
     BUDGET_BITS,
     BUDGET_SETTINGS,
+    CELL_SETTINGS,
     MEAN_WEIGHT_BITS,
     MEAN_WEIGHT_FRACTION_BITS,
     SIGMA2_INTEGER_BITS,
@@ -20,6 +21,7 @@ from golden.formats import (
 from golden.parameters import Parameters
 from golden.textures import TEXTURES
 from hdl.adaptation import adapted_layout, aim_layout
+from hdl.cell_grid import cell_settings_layout
 from hdl.parts.optional import optional
 from hdl.parts.probes import probe
 from hdl.parts.stream import Beat
@@ -39,6 +41,7 @@ def settings_layout(parameters: Parameters) -> data.StructLayout:
             "floor": parameters.response_bits,
             "report_rejected": 1,
             **optional(parameters.budget, **BUDGET_SETTINGS),
+            **optional(parameters.max_per_cell > 0, **CELL_SETTINGS),
         }
     )
 
@@ -49,7 +52,7 @@ def settings_members(parameters: Parameters) -> dict[str, Member]:
 
 
 def thresholds_layout(parameters: Parameters) -> data.StructLayout:
-    """T1 in units of D; T2 in units of tau, or the weight of the local level; budget settings.
+    """T1 in units of D; T2 in units of tau, or the weight of the local level; other settings.
 
     Without a texture filter T2 has no bits.
     """
@@ -63,6 +66,7 @@ def thresholds_layout(parameters: Parameters) -> data.StructLayout:
             "t2": t2_bits[parameters.algorithm.texture],
             "report_rejected": 1,
             **optional(parameters.budget, max_corners=BUDGET_BITS, aim=aim_layout()),
+            **optional(parameters.max_per_cell > 0, cells=cell_settings_layout()),
         }
     )
 
@@ -79,6 +83,8 @@ class Thresholds(wiring.Component):
     With ``budget``, where the frame before has decided what a target asks for, that is T1, but at
     least sigma1 · floor. Where it has decided what a rank asks for, that is Dref, but at least the
     floor.
+
+    Where cells choose, rejected corners are not reported.
 
     Members
     -------
@@ -158,11 +164,12 @@ class Thresholds(wiring.Component):
 
     def _multiply(self, m: Module, *, start: Any, busy: Signal, any_previous: Signal) -> None:
         bits, sigma_bits = self._parameters.response_bits, self._sigma_bits
+        chosen, referred, multiplying = Signal(), Signal(), Signal()
         # they stay until the multiplication starts
         settings, report_rejected = self.settings.payload, Signal()
+        cells = self._cells(m, referred) if self._parameters.max_per_cell else C(0)
         scaled_bits = bits + (self._parameters.pixels_per_region - 1).bit_length()
         reference, scaled = Signal(bits), Signal(scaled_bits)
-        chosen, referred, multiplying = Signal(), Signal(), Signal()
         count = Signal(range(sigma_bits))
         probe(self, chosen=chosen, referred=referred, multiplying=multiplying, count=count)
         # classic multipliers: the product grows into the register from which sigma is shifted out
@@ -199,7 +206,7 @@ class Thresholds(wiring.Component):
                 product1.eq(settings.sigma1),
                 product2.eq(settings.sigma2),
                 *([weight.eq(_mean_weight(settings.sigma2))] if len(products) == 1 else []),
-                report_rejected.eq(settings.report_rejected),
+                report_rejected.eq(settings.report_rejected & ~cells),
                 count.eq(0),
                 multiplying.eq(1),
             ]
@@ -215,6 +222,14 @@ class Thresholds(wiring.Component):
             t2.eq(product2[SIGMA_BITS:] if self._by_reference else weight),
             self.thresholds.payload.report_rejected.eq(report_rejected),
         ]
+
+    def _cells(self, m: Module, referred: Signal) -> Value:
+        """Stores the settings of cells; returns whether they choose."""
+        settings, cells = self.settings.payload, Signal(cell_settings_layout())
+        with m.If(referred):
+            m.d.sync += [cells[name].eq(settings[name]) for name in CELL_SETTINGS]
+        m.d.comb += self.thresholds.payload.cells.eq(cells)
+        return settings.per_cell != 0
 
     def _budget(
         self, m: Module, referred: Signal, reference: Signal, product1: Value, delivered: list[Any]

@@ -87,6 +87,7 @@ class WindowStage(wiring.Component):
         self.corner_detection = Suppression(p) if wide else CornerDetection(p)
         self.equations = equations_block(p)(p)
         self.candidate_selection = CandidateSelection(p)
+        self._choosing = p.max_per_cell > 0
         self._adaptation = optional(p.budget, adaptation=Adaptation(p))
         latest = self._arrival(self.equations)
         waits = {"late corners": self.corner_detection}
@@ -186,6 +187,8 @@ class WindowStage(wiring.Component):
         ]
         for block in self.texture_filters.values():
             m.d.comb += [block.thresholds.valid.eq(1), block.thresholds.payload.eq(limits.payload)]
+        if self._choosing:
+            m.d.comb += self.candidate_selection.cells.eq(limits.payload.cells)
 
     def _deliver(self, m: Module, name: str, found: Any, sink: Any) -> None:
         if name in self._delays:

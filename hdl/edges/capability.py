@@ -57,6 +57,7 @@ def capability(build: Build) -> Register:
             "Radius of the non-maximum suppression; 0 stands for 1.",
             suppression if suppression > 1 else 0,
         ),
+        Field("cells", 23, 1, "The registers CELLS and CELLS_MAX exist.", int(build.max_per_cell > 0)),
         *(
             # only where there is a choice
             Field(

@@ -43,8 +43,8 @@ class PacketConstructor(wiring.Component):
 
     Parameters
     ----------
-    budget
-        The detector has a limit of its own, and reports how many corners it found.
+    counts_found
+        The detector leaves corners out, and reports how many it found.
 
     Members
     -------
@@ -60,7 +60,7 @@ class PacketConstructor(wiring.Component):
         A time record follows each end-of-frame record; the time it holds, of the frame that has
         ended last.
     found
-        With ``budget`` only: corners of the frame that ends, not only those that the detector
+        With ``counts_found`` only: corners of the frame that ends, not only those that the detector
         reported.
     o
         Stream of ``record_layout()``, all of it registers.
@@ -81,8 +81,8 @@ class PacketConstructor(wiring.Component):
 
     latency = 1
 
-    def __init__(self, *, budget: bool = False) -> None:
-        self._budget = budget
+    def __init__(self, *, counts_found: bool = False) -> None:
+        self._counts_found = counts_found
         super().__init__(
             {
                 "i": In(stream.Signature(record_layout())),
@@ -92,7 +92,7 @@ class PacketConstructor(wiring.Component):
                 "max_records": In(COUNT_BITS, init=NO_LIMIT),
                 "send_time": In(1),
                 "time": In(TIME_BITS),
-                **optional(budget, found=In(COUNT_BITS)),
+                **optional(counts_found, found=In(COUNT_BITS)),
                 "o": Out(stream.Signature(record_layout())),
                 "ended": Out(1),
                 "done": Out(1),
@@ -112,8 +112,10 @@ class PacketConstructor(wiring.Component):
         timing, cut = Signal(), Signal()
         dropping = step & ~last & full
         delivered = self.o.valid & self.o.ready & self.o.payload.last
-        found, missing = (self.found, self.found - count) if self._budget else (count + dropped, dropped)
-        late = self._left_out(m) if self._budget else C(0)
+        found, missing = (
+            (self.found, self.found - count) if self._counts_found else (count + dropped, dropped)
+        )
+        late = self._left_out(m) if self._counts_found else C(0)
         maximum = self.i.payload.record[RESPONSE_SHIFT : RESPONSE_SHIFT + RESPONSE_FIELD_BITS]
         m.d.comb += [
             free.eq(~self.o.valid | self.o.ready),

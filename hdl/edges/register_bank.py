@@ -8,6 +8,7 @@ from amaranth.hdl import C, Cat, Module, Signal, Value
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
+from golden.formats import MAX_CELL, MIN_CELL
 from golden.video import Event
 from hdl.build import Build
 from hdl.edges.frame_guard import events_layout
@@ -16,6 +17,8 @@ from hdl.edges.register_map import RESET_BIT, TIMEOUT_BITS, register_map
 from hdl.edges.video_detector import control_layout, initial_control, report_members
 
 OWN_EVENTS = (Event.SIZE_CHANGED, Event.SIZE_REFUSED)
+SIZES = ("SIZE", "CELLS")
+"""Registers that refuse sizes out of range."""
 OTHER_EVENTS = tuple(event for event in Event if event not in OWN_EVENTS)
 
 
@@ -100,7 +103,7 @@ class RegisterBank(wiring.Component):
                     m.d.comb += [bus.read_data.eq(self._contents(register)), bus.read_error.eq(0)]
 
         self._settings(m, written)
-        self._size(m, written["SIZE"])
+        self._sizes(m, written)
         self._status(m, written)
         return m
 
@@ -135,7 +138,7 @@ class RegisterBank(wiring.Component):
 
     def _settings(self, m: Module, written: dict[str, Signal]) -> None:
         for name, register in self.registers.items():
-            if register.access != "rw" or name in ("SIZE", "IRQ_ENABLE"):
+            if register.access != "rw" or name in (*SIZES, "IRQ_ENABLE"):
                 continue
             for field in register.fields:
                 stored = self._field(field.source or field.name)
@@ -149,23 +152,39 @@ class RegisterBank(wiring.Component):
         with m.Elif(self.reset_done):
             m.d.sync += reset.eq(0)
 
-    def _size(self, m: Module, written: Signal) -> None:
-        """The halves of SIZE are checked together, and so must be written together."""
-        build, bus = self._build, self.bus
-        limits = {"width": build.max_width, "height": build.max_height}
-        sizes = {
-            field.name: bus.write_data[field.low : field.high + 1] for field in self.registers["SIZE"].fields
-        }
-        good = Signal()
-        m.d.comb += good.eq(
-            Cat(
-                (size >= build.algorithm.support) & (size <= limits[name]) for name, size in sizes.items()
-            ).all()
-            & bus.write_mask.all()
+    def _sizes(self, m: Module, written: dict[str, Signal]) -> None:
+        """Sizes are checked before they are stored, all fields of a register together."""
+        build, support = self._build, self._build.algorithm.support
+        size = self._given("SIZE")
+        good = _within(size["width"], support, build.max_width) & _within(
+            size["height"], support, build.max_height
         )
-        with m.If(written & good):
-            m.d.sync += [self.control[name].eq(size) for name, size in sizes.items()]
-        m.d.comb += [self._changed.eq(written & good & self.active), self._refused.eq(written & ~good)]
+        stored, refused = self._store(m, "SIZE", written, good)
+        if build.max_per_cell:
+            cells = self._given("CELLS")
+            good = (
+                _within(cells["cell_width"], build.min_cell_width, MAX_CELL)
+                & _within(cells["cell_height"], MIN_CELL, MAX_CELL)
+                & (cells["per_cell"] <= build.max_per_cell)
+            )
+            _, cells_refused = self._store(m, "CELLS", written, good | (cells["per_cell"] == 0))
+            refused |= cells_refused
+        m.d.comb += [self._changed.eq(stored & self.active), self._refused.eq(refused)]
+
+    def _given(self, name: str) -> dict[str, Value]:
+        """What is written to the fields of a register."""
+        fields = self.registers[name].fields
+        return {field.name: self.bus.write_data[field.low : field.high + 1] for field in fields}
+
+    def _store(self, m: Module, name: str, written: dict[str, Signal], good: Value) -> tuple[Value, Value]:
+        """Stores what is written if it is good and complete; returns whether it was, or was not."""
+        stored = written[name] & good & self.bus.write_mask.all()
+        with m.If(stored):
+            for field, value in self._given(name).items():
+                place = self._field(field)
+                assert place is not None
+                m.d.sync += place.eq(value)
+        return stored, written[name] & ~stored
 
     def _status(self, m: Module, written: dict[str, Signal]) -> None:
         own = {"size_changed": self._changed, "size_refused": self._refused}
@@ -177,3 +196,7 @@ class RegisterBank(wiring.Component):
         for field in self.registers["IRQ_ENABLE"].fields:
             self._write(m, written["IRQ_ENABLE"], field, self._enabled[field.low : field.high + 1])
         m.d.sync += self.irq.eq((self._status_bits & self._enabled).any())
+
+
+def _within(value: Value, low: int, high: int) -> Value:
+    return (value >= low) & (value <= high)

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from golden.formats import (
     BUDGET_BITS,
+    CELL_SETTINGS,
+    MAX_CELL,
     MEAN_WEIGHT_BITS,
     MEAN_WEIGHT_FRACTION_BITS,
+    MIN_CELL,
     SIGMA2_INTEGER_BITS,
     SIGMA_BITS,
     SMOOTHING_BITS,
@@ -36,7 +39,8 @@ RESET_BIT = 1
 def register_map(build: Build) -> tuple[Register, ...]:
     """All registers of a core, by address. Field names are unique."""
     budget = _budget(build) if build.budget else ()
-    registers = (*_about(build), *_control(build), *_thresholds(build), *_results(build), *budget)
+    cells = _cells(build) if build.max_per_cell else ()
+    registers = (*_about(build), *_control(build), *_thresholds(build), *_results(build), *budget, *cells)
     return tuple(sorted(registers, key=lambda register: register.address))
 
 
@@ -336,6 +340,48 @@ def _budget(build: Build) -> tuple[Register, ...]:
                 ),
                 Field(
                     "adapted", 31, 1, "There was such a frame, and it had a target or a rank.", source="known"
+                ),
+            ),
+        ),
+    )
+
+
+def _cells(build: Build) -> tuple[Register, ...]:
+    settings = Settings.default(build)
+    return (
+        Register(
+            "CELLS",
+            0x58,
+            "rw",
+            f"The strongest corners of each cell, {build.min_cell_width}x{MIN_CELL} to {MAX_CELL}x{MAX_CELL} pixels. "
+            "All four bytes must be written at once. CORNERS and DROPPED also count the surplus.",
+            (
+                Field("cell_width", 0, CELL_SETTINGS["cell_width"], PIXELS, settings.cell_width),
+                Field("cell_height", 8, CELL_SETTINGS["cell_height"], PIXELS, settings.cell_height),
+                Field(
+                    "per_cell",
+                    16,
+                    CELL_SETTINGS["per_cell"],
+                    "Largest number of corners that a cell reports; with 0 cells choose nothing.",
+                    settings.per_cell,
+                ),
+            ),
+        ),
+        Register(
+            "CELLS_MAX",
+            0x5C,
+            "ro",
+            "What the memory for a row of cells is built for.",
+            (
+                Field(
+                    "min_cell_width", 0, CELL_SETTINGS["cell_width"], "Narrowest cell.", build.min_cell_width
+                ),
+                Field(
+                    "max_per_cell",
+                    16,
+                    CELL_SETTINGS["per_cell"],
+                    "Most corners of a cell.",
+                    build.max_per_cell,
                 ),
             ),
         ),

@@ -19,7 +19,7 @@ _MEANINGS = {
     Event.EOL_MISSING: "A whole further line's pixels came without an end of line: they were dropped.",
     Event.RECORDS_DROPPED: "A frame had more corners than {most} allows: the surplus was dropped.",
     Event.SIZE_CHANGED: "SIZE was written while a frame was under way: the new size holds from the next one on.",
-    Event.SIZE_REFUSED: "A size out of range, or only a part of one, was written: SIZE stays as it was.",
+    Event.SIZE_REFUSED: "A size out of range, or only a part of one, was written: {sizes} as it was.",
     Event.INPUT_IDLE: "In the middle of a frame no pixel came for TIMEOUT clocks.",
     Event.OUTPUT_STALLED: "An output beat was not taken for TIMEOUT clocks.",
 }
@@ -27,12 +27,19 @@ _MEANINGS = {
 
 def meaning(event: Event, build: Build) -> str:
     """What a bit of STATUS says."""
-    return _MEANINGS[event].format(most=record_limit(build))
+    sizes = "SIZE or CELLS stays" if build.max_per_cell else "SIZE stays"
+    return _MEANINGS[event].format(most=record_limit(build), sizes=sizes)
 
 
 def record_limit(build: Build) -> str:
     """The registers that limit the records of a frame."""
-    return "MAX_RECORDS or BUDGET.max_corners" if build.budget else "MAX_RECORDS"
+    limits = ["MAX_RECORDS"]
+    if build.budget:
+        limits.append("BUDGET.max_corners")
+    if build.max_per_cell:
+        limits.append("CELLS.per_cell")
+    *others, last = limits
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def reported_response(build: Build) -> str:

@@ -97,8 +97,8 @@ class VideoDetector(wiring.Component):
 
     The detector gets whole frames only. Where one is cut, the detector is restarted as soon as the
     frames before have left it. Until then no video is taken; this lasts a few hundred clocks at
-    most, unless the output is held up. What a frame passes on to the next one, its largest response
-    and what T1 is adapted to, is stored here.
+    most, or until two rows of cells have come out, unless the output is held up. What a frame
+    passes on to the next one, its largest response and what T1 is adapted to, is stored here.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ class VideoDetector(wiring.Component):
         self._skid = SkidBuffer(video_layout(build), closed_in_reset=True)
         self._guard = FrameGuard(build)
         self._detector = detector or Detector(build)
-        self._packets = PacketConstructor(budget=build.budget)
+        self._packets = PacketConstructor(counts_found=build.counts_found)
         # complete frames inside, the one under way, and two starts of frame in the skid buffer
         self._clock = FrameClock(self._most_inside + 3)
         super().__init__(
@@ -199,6 +199,8 @@ class VideoDetector(wiring.Component):
             packets.max_records.eq(self.control.max_records),
             packets.send_time.eq(self.control.send_time),
         ]
+        if self._build.counts_found:
+            m.d.comb += packets.found.eq(detector.found)
         wiring.connect(m, packets.o, wiring.flipped(self.records))
         self._restart(m, restart, stopped, shown & settled)
         self._time(m)
@@ -281,7 +283,7 @@ class VideoDetector(wiring.Component):
             m.d.sync += self.history.eq(0)
         with m.Elif(~self._detector.adapting):
             m.d.sync += self.history.eq(self._detector.adapted)
-        m.d.comb += [self._detector.history.eq(self.history), self._packets.found.eq(self._detector.found)]
+        m.d.comb += self._detector.history.eq(self.history)
         return ~self._detector.adapting
 
     def _in_flight(self, m: Module, name: str, out: Any, restart: Signal) -> Signal:

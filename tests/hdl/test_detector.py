@@ -137,6 +137,11 @@ def test_any_images_sizes_and_stalls(parameters: Parameters, data: st.DataObject
     few = st.one_of(st.just(0), st.integers(0, 30))
     budgets = dict.fromkeys(("max_corners", "target_corners", "reference_rank"), few)
     budgets["smoothing"] = st.integers(0, 3)
+    cells = {
+        "cell_width": st.integers(parameters.min_cell_width, 128),
+        "cell_height": st.integers(8, 128),
+        "per_cell": st.integers(0, parameters.max_per_cell),
+    }
     any_settings = st.builds(
         Settings,
         sigma1=sigmas(0.5),
@@ -146,6 +151,7 @@ def test_any_images_sizes_and_stalls(parameters: Parameters, data: st.DataObject
         floor=st.integers(1, limit // 64),
         report_rejected=st.booleans(),
         **(budgets if parameters.budget else {}),
+        **(cells if parameters.max_per_cell else {}),
     )
     frame = st.tuples(
         images(parameters.pixel_bits, max_side=64, smallest=parameters.algorithm.support), any_settings

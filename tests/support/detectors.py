@@ -65,6 +65,7 @@ MIXTURES = {
         texture="none",
         suppression=2,
         sqrt_bits_per_stage=17,
+        max_per_cell=1,
     ),
     "paper with budget": Build.profile("paper", **SMALL, budget=True),
     "nine samples with budget, suppression": Build.profile(
@@ -73,7 +74,9 @@ MIXTURES = {
     "3x3 with budget": Build.profile(
         "paper", **SMALL, pixel_filter="twice", texture="none", response_filter="binomial", budget=True
     ),
-    "robust with budget, suppression": Build.profile("robust", **SMALL, budget=True, suppression=3),
+    "robust with budget, suppression": Build.profile(
+        "robust", **SMALL, budget=True, suppression=3, max_per_cell=5, min_cell_width=13
+    ),
 }
 
 

@@ -159,7 +159,7 @@ def test_clear_counts_anew_but_leaves_the_output() -> None:
 def test_what_the_detector_left_out_is_found_and_dropped() -> None:
     """Two records of seven; and with a limit here one of two of seven."""
     for most, records in ((9, [11, 12]), (1, [11])):
-        dut = PacketConstructor(budget=True)
+        dut = PacketConstructor(counts_found=True)
         seen: Counter[str] = Counter()
         out: list[int] = []
 

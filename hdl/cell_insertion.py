@@ -1,0 +1,167 @@
+"""Cell insertion: puts each corner among the strongest of its cell, in their order."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module, Mux, Signal, Value
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.output_constructor import RECORD_BITS, RESPONSE_SHIFT
+from golden.parameters import Parameters
+from hdl.output_constructor import found_record_layout
+from hdl.parts.probes import probe
+
+
+def record_address_layout(parameters: Parameters) -> data.StructLayout:
+    """Where a record lies: its place in its cell, which row of cells, and which cell of it."""
+    return data.StructLayout(
+        {"rank": range(parameters.max_per_cell), "row": 1, "column": range(parameters.max_cells)}
+    )
+
+
+def cell_address_layout(parameters: Parameters) -> data.StructLayout:
+    """Where the number of a cell's records lies."""
+    return data.StructLayout({"row": 1, "column": range(parameters.max_cells)})
+
+
+def count_bits(parameters: Parameters) -> int:
+    """Width of the number of a cell's records."""
+    return parameters.max_per_cell.bit_length()
+
+
+class CellInsertion(wiring.Component):
+    """Inserts corners into the row of cells that fills.
+
+    The records of a cell are sorted, the strongest first. A new one is compared with them from the
+    weakest on: each that is weaker moves down by one place, and what finds no place is surplus.
+    The numbers of records are cleared, cell by cell, while a row of cells begins; a corner waits
+    for this.
+
+    Members
+    -------
+    i
+        Stream of ``found_record_layout(parameters)``, corners only.
+    row, begin
+        Which row of cells fills; in the next clock another one does.
+    look, scan, read
+        The number of records, or a record, is to be read at once, and its
+        ``record_address_layout(parameters)``.
+    count, record
+        What was to be read two clocks ago.
+    write_count, write_record
+        With ``en``, ``data`` is written to ``addr``.
+    some, last_column
+        The row of cells has a corner; the last of its cells that have.
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = p = parameters
+        count, record_address = count_bits(p), record_address_layout(p)
+        super().__init__(
+            {
+                "i": In(stream.Signature(found_record_layout(p))),
+                "row": In(1),
+                "begin": In(1),
+                "look": Out(1),
+                "scan": Out(1),
+                "read": Out(record_address),
+                "count": In(count),
+                "record": In(RECORD_BITS),
+                "write_count": Out(_write_signature(cell_address_layout(p), count)),
+                "write_record": Out(_write_signature(record_address, RECORD_BITS)),
+                "some": Out(1),
+                "last_column": Out(range(p.max_cells)),
+            }
+        )
+
+    @property
+    def clocks(self) -> int:
+        """Most clocks for a corner: for one that is stronger than all in its cell, which is full.
+
+        One whose cell is empty takes 4.
+        """
+        return 5 + self._parameters.max_per_cell
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        record, cell = self.i.payload.record, self.i.payload.cell
+        # the place that is written next: what lay below it has moved
+        target, weaker = Signal.like(self.count, name="target"), Signal()
+        m.d.comb += weaker.eq(self._response(self.record) < self._response(record))
+        cleared = Signal(range(self._parameters.max_cells + 1))
+        with m.FSM() as steps:
+            with m.State("LOOK"):
+                m.d.comb += self.look.eq(self.i.valid & (cell.column < cleared))
+                with m.If(self.look):
+                    m.next = "COUNT"
+            with m.State("COUNT"):
+                m.next = "START"
+            with m.State("START"):
+                m.d.sync += target.eq(self.count)
+                m.next = "FETCH"
+                with m.If(self.count == 0):
+                    m.next = "PUT"
+            with m.State("FETCH"):
+                m.next = "COMPARE"
+            with m.State("COMPARE"):
+                with m.If(weaker):
+                    m.d.sync += target.eq(target - 1)
+                with m.If(~weaker | (target == 1)):
+                    m.next = "PUT"
+            with m.State("PUT"):
+                m.next = "LOOK"
+        start, compare, put = (steps.ongoing(state) for state in ("START", "COMPARE", "PUT"))
+        m.d.comb += [
+            self.i.ready.eq(put),
+            self.scan.eq(start | steps.ongoing("FETCH") | compare),
+            self.write_record.en.eq((put | (compare & weaker)) & (target != cell.per_cell)),
+            self.write_record.addr.rank.eq(target),
+            self.write_record.addr.row.eq(self.row),
+            self.write_record.addr.column.eq(cell.column),
+            self.write_record.data.eq(Mux(put, record, self.record)),
+        ]
+        self._read(m, start)
+        self._count(m, start, cleared)
+        probe(self, target=target, cleared=cleared)
+        return m
+
+    def _response(self, record: Value) -> Value:
+        return record[RESPONSE_SHIFT : RESPONSE_SHIFT + self._parameters.response_bits]
+
+    def _read(self, m: Module, start: Value) -> None:
+        """The records of the cell are read from the last one on, one per clock."""
+        following = Signal.like(self.count, name="following")
+        rank = Mux(start, self.count, following) - 1
+        m.d.sync += following.eq(rank)
+        m.d.comb += [
+            self.read.rank.eq(rank),
+            self.read.row.eq(self.row),
+            self.read.column.eq(self.i.payload.cell.column),
+        ]
+
+    def _count(self, m: Module, start: Value, cleared: Signal) -> None:
+        """Numbers of records are written when a corner starts, and cleared in all other clocks."""
+        cell, clearing = self.i.payload.cell, Signal()
+        m.d.comb += [
+            clearing.eq(~start & (cleared != self._parameters.max_cells)),
+            self.write_count.en.eq(clearing | (start & (self.count != cell.per_cell))),
+            self.write_count.addr.row.eq(self.row),
+            self.write_count.addr.column.eq(Mux(start, cell.column, cleared)),
+            self.write_count.data.eq(Mux(start, self.count + 1, 0)),
+        ]
+        with m.If(self.begin):
+            m.d.sync += cleared.eq(0)
+        with m.Elif(clearing):
+            m.d.sync += cleared.eq(cleared + 1)
+        with m.If(self.begin):
+            m.d.sync += self.some.eq(0)
+        with m.If(start):
+            m.d.sync += self.some.eq(1)
+            with m.If(~self.some | (cell.column > self.last_column)):
+                m.d.sync += self.last_column.eq(cell.column)
+
+
+def _write_signature(address: data.StructLayout, width: int) -> wiring.Signature:
+    return wiring.Signature({"en": Out(1), "addr": Out(address), "data": Out(width)})
