@@ -17,6 +17,8 @@ from golden.output_constructor import (
     FRAME_BITS,
     RESPONSE_FIELD_BITS,
     RESPONSE_SHIFT,
+    TIME_BITS,
+    TIME_RECORD,
 )
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -28,8 +30,14 @@ def bits(low: int, width: int) -> str:
     return f"{low + width - 1}:{low}" if width > 1 else str(low)
 
 
+def fields(title: str) -> dict[str, str]:
+    """Bits and field of each row of the table below that heading."""
+    section = RECORD.split(f"# {title}\n")[1].split("\n## ")[0]
+    return dict(re.findall(r"^\| ([\d:]+) \| ([a-z ]+) \|", section, re.MULTILINE))
+
+
 def test_bits_of_the_record() -> None:
-    told = dict(re.findall(r"^\| ([\d:]+) \| ([a-z ]+) \|", RECORD.split("## The end")[0], re.MULTILINE))
+    told = fields("The record")
     flags = {bits(FLAG_SHIFT + place, 1): flag.name for place, flag in enumerate(Flag)}
     assert told == {
         bits(0, COORDINATE_BITS): "x",
@@ -40,14 +48,18 @@ def test_bits_of_the_record() -> None:
 
 
 def test_bits_of_the_end_of_frame() -> None:
-    told = dict(re.findall(r"^\| ([\d:]+) \| ([a-z ]+) \|", RECORD.split("## The end")[1], re.MULTILINE))
-    assert told == {
+    assert fields("The end-of-frame record") == {
         bits(0, COUNT_BITS): "records",
         bits(COUNT_BITS, FRAME_BITS): "frame",
         bits(RESPONSE_SHIFT, RESPONSE_FIELD_BITS): "largest response",
         bits(FLAG_SHIFT, 2): "both set",
         bits(FLAG_SHIFT + 2, 1): "cut",
     }
+
+
+def test_bits_of_the_time_record() -> None:
+    assert TIME_RECORD == 0b1111
+    assert fields("The time record") == {bits(0, TIME_BITS): "time", bits(TIME_BITS, 4): "all set"}
 
 
 @pytest.mark.parametrize(
