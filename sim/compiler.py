@@ -123,7 +123,11 @@ def package_text(name: str) -> str:
     return (importlib.resources.files("sim") / name).read_text(encoding="utf-8")
 
 
-def _flags() -> tuple[str, ...]:
+def build_flags() -> tuple[str, ...]:
+    """Flags of every compilation: ours, then those of ``CXXFLAGS``.
+
+    ``CompilationError`` if these cannot be read.
+    """
     value = os.environ.get(FLAGS_VARIABLE, "")
     try:
         return (*_FLAGS, *shlex.split(value))
@@ -135,7 +139,7 @@ def _key(compiler: Compiler, files: dict[str, str], extra: str) -> str:
     digest = hashlib.sha256()
     # The C library is a part of the result: a cache may be mounted on machines that differ in it.
     parts = [shlex.join(compiler.command), compiler.label, platform.machine(), *platform.libc_ver(), extra]
-    parts += [shlex.join(_flags()), *(part for item in sorted(files.items()) for part in item)]
+    parts += [shlex.join(build_flags()), *(part for item in sorted(files.items()) for part in item)]
     for part in parts:
         digest.update(f"{len(part)}:".encode())
         digest.update(part.encode())
@@ -197,7 +201,7 @@ def build(
         for file, text in files.items():
             (folder / file).write_text(text, encoding="utf-8")
         sources = generate(folder)
-        flags = [*_flags(), *kind, *(f"-I{path}" for path in [folder, *includes])]
+        flags = [*build_flags(), *kind, *(f"-I{path}" for path in [folder, *includes])]
         output = folder / f"result{suffix}"
         command = [*compiler.command, *flags, *sources, "-o", str(output), *(program or [])]
         run_tool(command, "the C++ compiler", folder)

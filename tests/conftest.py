@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import time
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from sim.cache import CACHE_VARIABLE
 from sim.compiler import FLAGS_VARIABLE, CompilerNotFoundError, find_compiler
+from tests.support.headers import precompiled
 from tests.support.photographs import PHOTOGRAPHS, photograph
 
 settings.register_profile("repeatable", deadline=None, derandomize=True)
@@ -41,6 +43,8 @@ def _is_gcc() -> bool:
 
 if _is_gcc():
     os.environ[FLAGS_VARIABLE] = _QUICK_FLAGS
+    # a fifth of what a block's simulator takes, or more
+    os.environ[FLAGS_VARIABLE] += f" -include {shlex.quote(str(precompiled()))}"
 
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
