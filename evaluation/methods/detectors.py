@@ -89,15 +89,18 @@ class Ours(Detector):
         return self.at(image, replace(thresholds, sigma1=LOWEST_SIGMA1))
 
     def at(self, image: Image, thresholds: Thresholds) -> Points:
-        sigma2 = self._sigma2(thresholds)
-        settings = Settings.default(self.parameters, sigma1=thresholds.sigma1, sigma2=sigma2)
-        corners = detect(image, self.parameters, settings)
+        corners = detect(image, self.parameters, self.settings(thresholds))
         order = np.argsort(-corners.response, kind="stable")
         points = np.column_stack([corners.x, corners.y])[order]
         if self.parameters.algorithm.margin == MARGIN:
             return points
         last = np.array(image.shape[::-1]) - 1 - MARGIN
         return points[((points >= MARGIN) & (points <= last)).all(axis=1)]
+
+    def settings(self, thresholds: Thresholds) -> Settings:
+        """What the golden model is run with."""
+        sigma2 = self._sigma2(thresholds)
+        return Settings.default(self.parameters, sigma1=thresholds.sigma1, sigma2=sigma2)
 
     def _sigma2(self, thresholds: Thresholds) -> float:
         if self.parameters.algorithm.texture != "mean":

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from evaluation.methods.detectors import Detector, Fast, Image, Points, Thresholds
+from evaluation.methods.detectors import MARGIN, Detector, Fast, Image, Ours, Points, Thresholds
+from golden import Parameters, Settings
 
 
 def in_turns(points: Points, cell: float) -> Points:
@@ -53,3 +56,43 @@ class FastByGrid(Detector):
 
     def at(self, image: Image, thresholds: Thresholds) -> Points:
         return self.ranked(image, thresholds)
+
+
+class OursByCells(Ours):
+    """The golden model, which reports the strongest corners of each cell.
+
+    The best of every cell come first, as a driver may take them from the records.
+
+    Parameters
+    ----------
+    name, parameters, filtered
+        As for :class:`Ours`.
+    cell
+        Side of a cell in pixels.
+    """
+
+    per_cell = 16
+
+    def __init__(self, name: str, parameters: Parameters, cell: int, *, filtered: bool = True) -> None:
+        built = replace(parameters, max_per_cell=self.per_cell)
+        super().__init__(f"{name}, cells of {cell} px", built, filtered=filtered)
+        self.cell = cell
+
+    def at(self, image: Image, thresholds: Thresholds) -> Points:
+        return in_turns(super().at(image, thresholds), self.cell)
+
+    def settings(self, thresholds: Thresholds) -> Settings:
+        usual = super().settings(thresholds)
+        return replace(usual, cell_width=self.cell, cell_height=self.cell, per_cell=self.per_cell)
+
+
+def covered(image: Image, points: Points, side: int) -> float:
+    """Share of the squares of so many pixels a side that have a point; the margins belong to none.
+
+    Squares at the right and lower edge that are no whole ones do not count.
+    """
+    inside = np.array(image.shape[::-1]) - 2 * MARGIN
+    across, down = inside // side
+    squares = np.unique(np.floor((points + 0.5 - MARGIN) / side), axis=0)
+    whole = ((squares >= 0) & (squares < (across, down))).all(axis=1)
+    return float(whole.sum() / (across * down))

@@ -28,6 +28,7 @@ from evaluation.sections import (
     references,
     repeatability,
     robustness,
+    spread,
     table_5,
     word_lengths,
 )
@@ -43,6 +44,7 @@ SECTIONS: dict[str, Section] = {
         hpatches.SECTION,
         robustness.SECTION,
         downstream.SECTION,
+        spread.SECTION,
         reconstruction.SECTION,
         ablation.SECTION,
         adaptation.SECTION,
