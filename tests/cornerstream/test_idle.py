@@ -64,7 +64,7 @@ NO_PAGE = f"{IDLE}without --page"
 AIMED = "--target-corners 9 --reference constant"
 CONSTANT = f"{IDLE}from --floor on, which is 1024"
 FLOOR = f"--floor is 99, {IDLE}with --reference previous, or above --constant, which is 8192"
-VIEWS = "with --only repeatability or hpatches or robustness or downstream or ablation"
+VIEWS = "with --only repeatability or hpatches or robustness or downstream or spread or ablation"
 PAIRS = "with --only repeatability or hpatches or robustness or ablation"
 
 
