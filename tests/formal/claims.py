@@ -48,7 +48,9 @@ class Claim:
     ``check`` makes a checker, an elaboratable with Asserts and Covers, out of the module ``design``
     or a faulty variant of it. ``covered`` is the number of clocks in which all Covers are reached.
     Where these, or faults, lie too many clocks away for a solver, ``small`` is the design with a
-    smaller constant: the claim is proven for it as well, and they are looked for in it.
+    smaller constant: the claim is proven for it as well, and they are looked for in it. Where
+    ``long_proof``, `make test` proves only that, and what it takes long to prove is for
+    `make verify`; where ``long``, all of the claim is.
     """
 
     says: str
@@ -60,6 +62,7 @@ class Claim:
     faults: tuple[Fault, ...]
     small: ModuleType | None = None
     long: bool = False
+    long_proof: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,10 +82,12 @@ class Case:
     claim: Claim
     fault: Fault | None = None
     cover: bool = False
+    only_small: bool = False
 
     @property
     def name(self) -> str:
-        return self.fault.breaks if self.fault else "cover" if self.cover else "proof"
+        proof = "small proof" if self.only_small else "proof"
+        return self.fault.breaks if self.fault else "cover" if self.cover else proof
 
     def __call__(self, record_property: Callable[[str, object], None]) -> None:
         did, outcome = self._run()
@@ -111,9 +116,11 @@ class Case:
         if claim.small:
             outcome = prove(claim.check(small), mode=claim.mode, depth=claim.depth)
             assert outcome.passed, str(outcome)
-        outcome = prove(claim.check(claim.design), mode=claim.mode, depth=claim.depth)
-        assert outcome.passed, str(outcome)
-        return f"proven by {_METHODS[claim.mode]}, depth {claim.depth}", outcome
+        if not self.only_small:
+            outcome = prove(claim.check(claim.design), mode=claim.mode, depth=claim.depth)
+            assert outcome.passed, str(outcome)
+        size = ", with a smaller constant" if self.only_small else ""
+        return f"proven by {_METHODS[claim.mode]}, depth {claim.depth}{size}", outcome
 
 
 def cases(*claims: Claim) -> list[Any]:
@@ -121,7 +128,12 @@ def cases(*claims: Claim) -> list[Any]:
     found = []
     for claim in claims:
         assert claim.faults, f"a proof that cannot fail says nothing: {claim.says}"
-        marks = [pytest.mark.verify] if claim.long else []
+        assert claim.small or not claim.long_proof, f"there is nothing small to prove: {claim.says}"
         every = [Case(claim), Case(claim, cover=True), *(Case(claim, fault) for fault in claim.faults)]
-        found += [pytest.param(case, id=f"{claim.says}-{case.name}", marks=marks) for case in every]
+        if claim.long_proof and not claim.long:
+            every.append(Case(claim, only_small=True))
+        for case in every:
+            long = claim.long or (claim.long_proof and case == Case(claim))
+            marks = [pytest.mark.verify] if long else []
+            found.append(pytest.param(case, id=f"{claim.says}-{case.name}", marks=marks))
     return found

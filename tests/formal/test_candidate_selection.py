@@ -145,6 +145,7 @@ SELECTION = Claim(
     ),
     check=SelectionChecker,
     depth=2,
+    long_proof=True,
     covered=14,
     faults=(
         Fault("candidates.room & pending.room", "pending.room", "candidate: more is inside", 14),

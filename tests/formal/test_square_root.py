@@ -198,6 +198,7 @@ def _stages(per_stage: int) -> Claim:
             Fault(*LATE_DIGITS, "the root is", clocks),
         ),
         long=per_stage > 1,
+        long_proof=True,
     )
 
 
