@@ -149,7 +149,7 @@ SELECTION = Claim(
     covered=14,
     faults=(
         Fault("candidates.room & pending.room", "pending.room", "candidate: more is inside", 14),
-        Fault("pending.i.valid.eq(picked | ending)", "pending.i.valid.eq(picked)", "pending: ", 5),
+        Fault("pending.i.valid.eq(picked | ending | closing)", "pending.i.valid.eq(picked)", "pending: ", 5),
         Fault("first | (response > self.largest)", "response > self.largest", "pending: another beat", 14),
         Fault("[x.eq(margin), y.eq(y + 1)]", "x.eq(margin)", "pending: another beat", 6),
         Fault("picked.eq(step &", "picked.eq(self.corners.valid &", "", 14),
