@@ -159,7 +159,7 @@ class Bench:
         values = video.fixed(self.parameters)
         # CONTROL last, for it starts
         names = ["SIZE", "SIGMA1", "SIGMA2", "REFERENCE_INIT", "REFERENCE_MIN", "MAX_RECORDS"]
-        names += [name for name in ("BUDGET", "REFERENCE") if name in self.map]
+        names += [name for name in ("BUDGET", "REFERENCE", "CELLS") if name in self.map]
         for name in (*names, "CONTROL"):
             settings = {field.name: field.source or field.name for field in self.map[name].fields}
             fields = {field: values[setting] for field, setting in settings.items() if setting in values}

@@ -67,6 +67,7 @@ def reset_values(bench: Bench) -> dict[int, int]:
         | (p.algorithm.response_filter == "binomial") << 21
         | (p.algorithm.texture == "mean") << 22
         | (p.algorithm.suppression * (p.algorithm.suppression > 1)) << 28
+        | (p.max_per_cell > 0) << 23
         | p.budget << 31,
         0x0C: p.max_height << 16 | p.max_width,
         CONTROL: int(p.autostart),
@@ -81,6 +82,7 @@ def reset_values(bench: Bench) -> dict[int, int]:
         TIMEOUT: 0xFF_FFFF,
         **dict.fromkeys((0x40, 0x44, 0x48, 0x4C, 0x50, 0x64, 0x68, 0x6C), 0),
         **(dict.fromkeys((0x38, 0x3C, 0x54), 0) if p.budget else {}),
+        **({0x58: 0x4040, 0x5C: p.max_per_cell << 16 | p.min_cell_width} if p.max_per_cell else {}),
     }
 
 

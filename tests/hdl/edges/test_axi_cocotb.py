@@ -27,7 +27,9 @@ BUILDS = {
     "robust-lean": Build.profile("robust", **SMALL),
     "paper-banked-video": Build.profile("paper", video_out=True, **ODD),
     "robust-lean-video": Build.profile("robust", video_out=True, **SMALL),
-    "robust-budget": Build.profile("robust", budget=True, suppression=2, **SMALL),
+    "robust-budget": Build.profile(
+        "robust", budget=True, suppression=2, max_per_cell=5, min_cell_width=10, **SMALL
+    ),
     "mixture": Build.profile(
         "paper",
         pixel_bits=10,
@@ -79,6 +81,7 @@ SHORT: dict[str, dict[str, list[str]]] = {
     "robust-budget": {
         "registers": ["after_reset/bus=0.5"],
         "budget": ["max_corners", "target_corners/stall=0.6", "reset_forgets", "bytes_of_budget"],
+        "cells": ["strongest_of_cells/stall=0.6", "cells_refused"],
         "malformed": ["early_sof_right_after_a_frame/pauses=0.35"],
     },
     "robust-lean-video": {
@@ -143,6 +146,7 @@ def test_short(build: str, tmp_path: Path) -> None:
             *MODULES,
             *(("video",) if parameters.video_out else ()),
             *(("budget",) if parameters.budget else ()),
+            *(("cells",) if parameters.max_per_cell else ()),
         )
     ],
 )
