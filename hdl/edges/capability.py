@@ -16,7 +16,9 @@ OPTIONS = (
     (11, "patches_pixels", "patches", "pixels", "The texture filter compares pixels, not regions."),
     (12, "lean", "buffering", "lean", "The buffers are lean ones, not banked ones."),
     (13, "video_out", "video_out", True, "The pixels are passed on."),
+    (14, "pixel_filter", "pixel_filter", "binomial", "Pixels are smoothed."),
     (15, "divider_table", "divider", "table", "Quotients come from a table of reciprocals."),
+    (19, "no_texture_filter", "texture", "none", "There is no texture filter."),
     (20, "sobel", "derivative", "sobel", "Gradients are smoothed across."),
     (21, "response_filter", "response_filter", "binomial", "Responses are smoothed."),
     (
@@ -26,6 +28,7 @@ OPTIONS = (
         "mean",
         "An adaptive threshold takes the place of the texture filter.",
     ),
+    (26, "pixel_filter_twice", "pixel_filter", "twice", "Pixels are smoothed twice."),
     (31, "budget", "budget", True, "The registers BUDGET, REFERENCE and ADAPTED exist."),
 )
 """Bit and name in the register; field of ``Build`` or ``Algorithm``; value that sets it; text."""
@@ -46,7 +49,7 @@ def capability(build: Build) -> Register:
         Field(
             "profile",
             16,
-            4,
+            3,
             f"The algorithm: {_numbered(PROFILES, 1)}, 0 any other.",
             profiles.get(build.algorithm, 0),
         ),
@@ -63,7 +66,7 @@ def capability(build: Build) -> Register:
             Field(
                 each.name,
                 24,
-                4,
+                2,
                 f"Response function: {_numbered(each.choices)}.",
                 each.choices.index(values[each.name]),
             )

@@ -217,7 +217,9 @@ def _sigma2(build: Build) -> tuple[str, str]:
     """Texts of SIGMA2 and of its field."""
     role = sigma2_role(build)
     role = role[0].upper() + role[1:]
-    if build.algorithm.texture != "mean":
+    if build.algorithm.texture == "none":
+        return f"{role}.", f"{FRACTION}."
+    if build.algorithm.texture == "patches":
         return f"{role}: the texture measure of a corner is below SIGMA2 times the reference.", f"{FRACTION}."
     low = SIGMA_BITS - MEAN_WEIGHT_FRACTION_BITS
     return (

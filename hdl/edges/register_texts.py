@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from golden.algorithm import Texture
 from golden.video import Event
 from hdl.build import Build
 
@@ -50,7 +51,12 @@ def reported_response(build: Build) -> str:
 
 def sigma2_role(build: Build) -> str:
     """What SIGMA2 is."""
-    return "weight of the local level of D" if build.algorithm.texture == "mean" else "texture threshold"
+    roles: dict[Texture, str] = {
+        "patches": "texture threshold",
+        "mean": "weight of the local level of D",
+        "none": "texture threshold, which changes nothing without a texture filter",
+    }
+    return roles[build.algorithm.texture]
 
 
 def frame_results(build: Build) -> str:

@@ -69,6 +69,10 @@ class Bench:
         Events that the model does not know of, expected in STATUS.
     input, output, video_output
         Watches of the streams.
+    least
+        Smallest side of a frame.
+    small
+        Side of small frames that never wait: those of fewer pixels can.
     reset_at
         The clock in which the core's time was 0, as ``input`` counts clocks.
     """
@@ -84,6 +88,8 @@ class Bench:
     ) -> None:
         self.dut = dut
         self.parameters = p = Build.profile("paper", **json.loads(os.environ[PARAMETERS]))
+        self.least = p.algorithm.support
+        self.small = max(self.least, 15 + (p.algorithm.pixel_passes > 0))
         self.map = {register.name: register for register in register_map(p)}
         self.source = VideoSource(dut, share=idle)
         self.sinks = [Sink(dut, share=stall)]

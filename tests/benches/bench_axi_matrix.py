@@ -29,7 +29,7 @@ FRAMES = 3
 def size(name: str, bench: Bench) -> tuple[int, int]:
     p = bench.parameters
     return {
-        "least": (15, 15),
+        "least": (bench.small, bench.small),
         "maximum": (p.max_width, p.max_height),
         "odd": (23, 17),
         "tall": (16, p.max_height - 1),

@@ -13,6 +13,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, RisingEdge
 from cocotbext.axi import AxiResp
 
+from golden.algorithm import PROFILES
 from golden.version import VERSION
 from golden.video import Event, framed
 from sim.cocotb_bench import CLOCK_NS
@@ -48,27 +49,33 @@ def writable(bench: Bench) -> dict[int, int]:
 def reset_values(bench: Bench) -> dict[int, int]:
     p = bench.parameters
     unit = 1 << (2 * p.pixel_bits + 1)
-    built = (
-        p.algorithm.gradient == "signed",
-        p.algorithm.ties == "first",
-        p.algorithm.fit == "six",
-        p.algorithm.patches == "pixels",
-    )
-    profiles = {(False, False, False, False): 1, (True, True, False, False): 2}
-    flags = (*built, p.buffering == "lean", p.video_out)
+    flags = {
+        8: p.algorithm.gradient == "signed",
+        9: p.algorithm.ties == "first",
+        10: p.algorithm.fit == "six",
+        11: p.algorithm.patches == "pixels",
+        12: p.buffering == "lean",
+        13: p.video_out,
+        14: p.algorithm.pixel_filter == "binomial",
+        15: p.algorithm.divider == "table",
+        19: p.algorithm.texture == "none",
+        20: p.algorithm.derivative == "sobel",
+        21: p.algorithm.response_filter == "binomial",
+        22: p.algorithm.texture == "mean",
+        23: p.max_per_cell > 0,
+        26: p.algorithm.pixel_filter == "twice",
+        31: p.budget,
+    }
+    profiles = [*PROFILES.values()]
+    profile = profiles.index(p.algorithm) + 1 if p.algorithm in profiles else 0
     return {
         0x00: 0x434F_524E,
         0x04: sum(int(part) << 8 * k for k, part in enumerate(reversed(VERSION.split(".")))),
         0x08: 1
         | p.pixel_bits << 4
-        | sum(flag << (8 + k) for k, flag in enumerate(flags))
-        | profiles.get(built, 0) * (p.algorithm.suppression == 1) << 16
-        | (p.algorithm.derivative == "sobel") << 20
-        | (p.algorithm.response_filter == "binomial") << 21
-        | (p.algorithm.texture == "mean") << 22
-        | (p.algorithm.suppression * (p.algorithm.suppression > 1)) << 28
-        | (p.max_per_cell > 0) << 23
-        | p.budget << 31,
+        | sum(flag << bit for bit, flag in flags.items())
+        | profile << 16
+        | (p.algorithm.suppression * (p.algorithm.suppression > 1)) << 28,
         0x0C: p.max_height << 16 | p.max_width,
         CONTROL: int(p.autostart),
         STATUS: 0,
@@ -128,8 +135,8 @@ async def bytes_of_registers(dut: Dut, bus: float) -> None:
             # not the reset
             data = bytes(byte & ~(2 if low + k == 0 else 0) for k, byte in enumerate(data))
         if address == SIZE:
-            p = bench.parameters
-            size = random.randrange(15, p.max_height + 1) << 16 | random.randrange(15, p.max_width + 1)
+            p, least = bench.parameters, bench.least
+            size = random.randrange(least, p.max_height + 1) << 16 | random.randrange(least, p.max_width + 1)
             data = size.to_bytes(4, "little")[low : low + count]
             # of a part nobody can tell whether it is in range
             value = size if count == 4 else contents[address]
@@ -217,17 +224,18 @@ async def size_refused(dut: Dut) -> None:
     """Out of range in either half: nothing changes, and a bit of STATUS says so."""
     bench = Bench(dut)
     await bench.start()
-    p = bench.parameters
+    p, least = bench.parameters, bench.least
     good = (p.max_height - 1) << 16 | 16
     await bench.registers.write(SIZE, good)
     await bench.check_events(Event(0))
-    bad = [(14, 15), (15, 14), (p.max_width + 1, 15), (15, p.max_height + 1)]
-    bad += [(0, 0), (65535, 65535), (0, 20), (20, 0), (15 + 256, 15), (15, 15 + 1024), (32768, 15)]
+    bad = [(least - 1, least), (least, least - 1), (p.max_width + 1, least), (least, p.max_height + 1)]
+    bad += [(0, 0), (65535, 65535), (0, 20), (20, 0), (least + 256, least), (least, least + 1024)]
+    bad += [(32768, least)]
     for width, height in bad:
         await bench.registers.write(SIZE, height << 16 | width)
         await bench.hold({SIZE: good})
         await bench.check_events(Event.SIZE_REFUSED)
-    for width, height in ((15, 15), (p.max_width, p.max_height)):
+    for width, height in ((least, least), (p.max_width, p.max_height)):
         await bench.registers.write(SIZE, height << 16 | width)
         await bench.hold({SIZE: height << 16 | width})
         await bench.check_events(Event(0))

@@ -103,7 +103,7 @@ class Traffic:
         self.count["refused writes"] += 1
 
     async def _size(self) -> None:
-        await self._bench.write_fields("SIZE", width=random.randrange(15), height=20)
+        await self._bench.write_fields("SIZE", width=random.randrange(self._bench.least), height=20)
         self._bench.extra |= Event.SIZE_REFUSED
         self.count["sizes out of range"] += 1
 
@@ -131,8 +131,8 @@ async def stress(dut: Dut) -> None:
     packets = cut = 0
     for _ in range(PARTS):
         width, height = (
-            int(random_.integers(15, p.max_width + 1)),
-            int(random_.integers(15, p.max_height + 1)),
+            int(random_.integers(bench.least, p.max_width + 1)),
+            int(random_.integers(bench.least, p.max_height + 1)),
         )
         settings = Settings.default(
             p,

@@ -64,12 +64,12 @@ def test_every_remainder_is_rounded() -> None:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_by_hand(name: EngineName) -> None:
-    """160 counts 4, 2 and 1 sixteenths; so does 16, a row above and a column to the right."""
+    """160 counts 4, 2 and 1 sixteenths; so does 24, a row above and a column to the right."""
     frame = np.zeros((5, 5), np.int64)
-    frame[2, 2], frame[1, 3] = 160, 16
+    frame[2, 2], frame[1, 3] = 160, 24
     layout = PixelFilter(Build.profile("paper")).o.payload.shape()
     seen = unpack(layout, check([frame], name).outputs["o"])
-    assert seen["data"].tolist() == [10, 22, 14, 20, 41, 22, 10, 20, 10]
+    assert seen["data"].tolist() == [10, 23, 16, 20, 42, 23, 10, 20, 10]
     assert seen["eol"].tolist() == [0, 0, 1] * 3 and seen["eof"].tolist() == [0] * 8 + [1]
 
 

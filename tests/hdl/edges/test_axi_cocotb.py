@@ -27,6 +27,16 @@ BUILDS = {
     "robust-lean": Build.profile("robust", **SMALL),
     "paper-banked-video": Build.profile("paper", video_out=True, **ODD),
     "robust-lean-video": Build.profile("robust", video_out=True, **SMALL),
+    "smoothed-lean-video": Build.profile(
+        "paper",
+        buffering="lean",
+        pixel_filter="binomial",
+        gradient="signed",
+        ties="first",
+        texture="none",
+        video_out=True,
+        **SMALL,
+    ),
     "robust-budget": Build.profile(
         "robust", budget=True, suppression=2, max_per_cell=5, min_cell_width=10, **SMALL
     ),

@@ -25,9 +25,15 @@ from tests.support.malformed import random_video
 from tests.support.photographs import photograph
 
 MAX_WIDTH, MAX_HEIGHT = 150, 40
-MARGIN, SUPPORT = 7, 15
-"""Of all builds here."""
 BUILDS = {
+    "smoothed": Build.profile(
+        "paper",
+        max_width=MAX_WIDTH,
+        max_height=MAX_HEIGHT,
+        video_out=True,
+        pixel_filter="twice",
+        texture="none",
+    ),
     "banked": Build.profile("paper", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
     "lean": Build.profile("robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
     "budget": Build.profile(
@@ -70,7 +76,7 @@ def run(runner: Engine, parameters: Parameters, images: list[Image], stalls: Sta
         changes.append((start, video.fixed(parameters)))
         beats = beats_of(image, parameters, video.settings)
         # a flag that waits for its pixel is the row's first, and must say that there is a corner
-        edges += sum(corner for _, corner, _, _ in beats[MARGIN :: image.shape[1]])
+        edges += sum(corner for _, corner, _, _ in beats[parameters.algorithm.margin :: image.shape[1]])
         expected += beats
         start += image.size
     assert edges and sum(corner for _, corner, _, _ in expected) > (5 if parameters.budget else 20)
@@ -83,10 +89,12 @@ def run(runner: Engine, parameters: Parameters, images: list[Image], stalls: Sta
 @pytest.mark.parametrize("stalls", [Stalls(), Stalls(0.3, 0.3, 1), Stalls(0, 0.8, 2)], ids=str)
 @builds
 def test_pixels_and_corners(parameters: Parameters, stalls: Stalls) -> None:
-    sizes = [(MAX_WIDTH, MAX_HEIGHT), (MAX_WIDTH, MAX_HEIGHT), (15, 15), (16, 40), (31, 17), (MAX_WIDTH, 15)]
+    least = parameters.algorithm.support
+    sizes = [(MAX_WIDTH, MAX_HEIGHT), (MAX_WIDTH, MAX_HEIGHT), (least, least), (least + 1, 40), (31, 17)]
+    sizes.append((MAX_WIDTH, least))
     images = [photograph("grass")[k : k + h, 9 : 9 + w] for k, (w, h) in enumerate(sizes)]
     random = np.random.default_rng(0)
-    images += [random.integers(0, 256, (MAX_HEIGHT, SUPPORT + 2), np.uint8) for _ in range(12)]
+    images += [random.integers(0, 256, (MAX_HEIGHT, least + 2), np.uint8) for _ in range(12)]
     run(engine("compiled", PlainVideoDetector, parameters), parameters, images, stalls)
 
 
@@ -139,3 +147,6 @@ def test_memory() -> None:
     lean, banked = (Overlay(Build.profile("paper", buffering=b, video_out=True)) for b in ("lean", "banked"))
     assert (lean.depth, banked.depth) == (7 * 1920 + 128, 9 * 1920 + 128)
     assert lean.memory_bits == lean.depth * 9
+    smoothed = {"pixel_filter": "twice", "texture": "none", "video_out": True}
+    lean, banked = (Overlay(Build.profile("paper", buffering=b, **smoothed)) for b in ("lean", "banked"))
+    assert (lean.depth, banked.depth) == (6 * 1920 + 128, 10 * 1920 + 128)

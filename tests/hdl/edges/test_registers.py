@@ -17,6 +17,7 @@ from tests.hdl.edges.bench import simulate
 BUILDS = {
     "paper": Build.profile("paper"),
     "robust": Build.profile("robust", max_width=640, max_height=480, video_out=True),
+    "smoothed": Build.profile("paper", max_width=13, pixel_filter="twice", texture="none"),
     "odd": Build.profile(
         "paper", pixel_bits=10, max_width=15, max_height=8192, fit="six", patches="pixels", autostart=True
     ),
@@ -59,6 +60,9 @@ def test_texts_say_what_was_built() -> None:
         ((1 << 13) - 1, 0),
     ):
         assert Settings(sigma2=sigma2 / 65536).mean_weight == weight
+    smoothed = registers(BUILDS["smoothed"])
+    assert smoothed["SIGMA2"].text.endswith("changes nothing without a texture filter.")
+    assert smoothed["SIZE"].text.startswith("Frame size, 13x13 to 13x1080.")
     assert "less SIGMA2 times the local level" in robust["SIGMA1"].text
     assert "local level" not in paper["SIGMA1"].text
     for built, limits in ((paper, "MAX_RECORDS"), (robust, "MAX_RECORDS or BUDGET.max_corners")):
@@ -76,6 +80,7 @@ def test_capability() -> None:
     known = {name: registers(parameters)["CAPABILITY"].reset for name, parameters in BUILDS.items()}
     assert known["paper"] == 1 | 8 << 4 | 1 << 15 | 1 << 16
     assert known["robust"] == 1 | 8 << 4 | 0b110011 << 8 | 2 << 16 | 0b111 << 20
+    assert known["smoothed"] == 1 | 8 << 4 | 1 << 15 | 1 << 19 | 1 << 26
     assert known["odd"] == 1 | 10 << 4 | 0b10001100 << 8
     assert registers(BUILDS["odd"])["CONTROL"].reset == 1 and registers()["CONTROL"].reset == 0
     assert registers()["ID"].reset == IDENTITY == 0x434F524E

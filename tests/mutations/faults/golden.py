@@ -5,6 +5,20 @@ from __future__ import annotations
 from tests.mutations.copies import Mutation
 
 GOLDEN = {
+    "smoothed pixels are rounded down": Mutation(
+        "golden/pixel_filter.py",
+        "(total + 8) >> 4",
+        "total >> 4",
+        "tests/golden/test_pixel_filter.py",
+        "halves_up",
+    ),
+    "a corner may be so near to the edge that its smoothed pixels lack neighbours": Mutation(
+        "golden/algorithm.py",
+        "return self.pixel_passes + 1 + SMOOTHING_SIZE // 2",
+        "return 1 + SMOOTHING_SIZE // 2",
+        "tests/golden/test_pixel_filter.py",
+        "margin_is",
+    ),
     "the golden model rounds halves down": Mutation(
         "golden/convolution.py",
         "(total + 32) >> SHIFT",

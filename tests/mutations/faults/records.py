@@ -110,6 +110,13 @@ RECORDS = {
         "tests/hdl/test_subpixel.py",
         "by_hand and amaranth and nine",
     ),
+    "without a texture filter no corner is kept": Mutation(
+        "hdl/candidate_selection.py",
+        "_Verdict(C(0, 1), C(1, 1), response)",
+        "_Verdict(C(0, 1), C(0, 1), response)",
+        "tests/hdl/test_candidate_selection.py",
+        "without_a_texture",
+    ),
     "a second frame begins where the first one ended": Mutation(
         "hdl/candidate_selection.py",
         "m.d.sync += y.eq(margin)",

@@ -5,6 +5,20 @@ from __future__ import annotations
 from tests.mutations.copies import Mutation
 
 RESPONSE = {
+    "a pixel is smoothed with a wrong weight along the row": Mutation(
+        "hdl/pixel_filter.py",
+        "one + (down << 1)",
+        "one + down",
+        "tests/hdl/test_pixel_filter.py",
+        "by_hand and amaranth",
+    ),
+    "the half that rounds a smoothed pixel is missing": Mutation(
+        "hdl/pixel_filter.py",
+        "(ends + Cat(C(1, 1), here))",
+        "(ends + Cat(C(0, 1), here))",
+        "tests/hdl/test_pixel_filter.py",
+        "by_hand and amaranth",
+    ),
     "the sign of C is dropped": Mutation(
         "hdl/preprocessing.py",
         "C(1, 1) if self._signed",
