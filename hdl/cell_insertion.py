@@ -87,36 +87,38 @@ class CellInsertion(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         record, cell = self.i.payload.record, self.i.payload.cell
-        # the place that is written next: what lay below it has moved
-        target, weaker = Signal.like(self.count, name="target"), Signal()
-        m.d.comb += weaker.eq(self._response(self.record) < self._response(record))
-        cleared = Signal(range(self._parameters.max_cells + 1))
-        with m.FSM() as steps:
-            with m.State("LOOK"):
-                m.d.comb += self.look.eq(self.i.valid & (cell.column < cleared))
-                with m.If(self.look):
-                    m.next = "COUNT"
-            with m.State("COUNT"):
-                m.next = "START"
-            with m.State("START"):
-                m.d.sync += target.eq(self.count)
-                m.next = "FETCH"
-                with m.If(self.count == 0):
-                    m.next = "PUT"
-            with m.State("FETCH"):
-                m.next = "COMPARE"
-            with m.State("COMPARE"):
-                with m.If(weaker):
-                    m.d.sync += target.eq(target - 1)
-                with m.If(~weaker | (target == 1)):
-                    m.next = "PUT"
-            with m.State("PUT"):
-                m.next = "LOOK"
-        start, compare, put = (steps.ongoing(state) for state in ("START", "COMPARE", "PUT"))
+        # one of them in every clock
+        idle = Signal(init=1)
+        counting, start, fetching, compare, put = (
+            Signal(name=name) for name in ("counting", "start", "fetching", "compare", "put")
+        )
+        # the place that is written next: what lay below it has moved; beyond the last place is none
+        target, beyond, topmost = Signal.like(self.count, name="target"), Signal(), Signal()
+        weaker, cleared = Signal(), Signal(range(self._parameters.max_cells + 1))
+        m.d.comb += [
+            self.look.eq(idle & self.i.valid & (cell.column < cleared)),
+            weaker.eq(self._response(self.record) < self._response(record)),
+        ]
+        m.d.sync += [
+            idle.eq(put | (idle & ~self.look)),
+            counting.eq(self.look),
+            start.eq(counting),
+            fetching.eq(start & (self.count != 0)),
+            compare.eq(fetching | (compare & weaker & ~topmost)),
+            put.eq((start & (self.count == 0)) | (compare & (~weaker | topmost))),
+        ]
+        with m.If(start):
+            m.d.sync += [
+                target.eq(self.count),
+                beyond.eq(self.count == cell.per_cell),
+                topmost.eq(self.count == 1),
+            ]
+        with m.If(compare & weaker):
+            m.d.sync += [target.eq(target - 1), beyond.eq(0), topmost.eq(target == 2)]
         m.d.comb += [
             self.i.ready.eq(put),
-            self.scan.eq(start | steps.ongoing("FETCH") | compare),
-            self.write_record.en.eq((put | (compare & weaker)) & (target != cell.per_cell)),
+            self.scan.eq(start | fetching | compare),
+            self.write_record.en.eq((put | (compare & weaker)) & ~beyond),
             self.write_record.addr.rank.eq(target),
             self.write_record.addr.row.eq(self.row),
             self.write_record.addr.column.eq(cell.column),

@@ -16,6 +16,7 @@ from golden.formats import BUDGET_BITS
 from golden.parameters import Parameters
 from hdl.build import Build
 from hdl.candidate_selection import INSIDE, CandidateSelection, pending_record_layout
+from hdl.cell_grid import cell_settings_layout
 from hdl.fits import derivatives_layout
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls, Stimulus
@@ -60,15 +61,16 @@ class InStep(wiring.Component):
     """
 
     def __init__(self, parameters: Parameters = PARAMETERS) -> None:
-        self._budget = parameters.budget
+        self._budget, self._cells = parameters.budget, parameters.max_per_cell > 0
         self._filtered = parameters.algorithm.texture != "none"
         self.selection = CandidateSelection(parameters)
         super().__init__(
             {
                 **({"max_corners": In(BUDGET_BITS)} if parameters.budget else {}),
+                **({"cells": In(cell_settings_layout())} if self._cells else {}),
                 "i": In(stream.Signature(CENTRE)),
                 "candidate": Out(stream.Signature(SURFACE)),
-                "pending": Out(stream.Signature(pending_record_layout(PARAMETERS))),
+                "pending": Out(stream.Signature(pending_record_layout(parameters))),
                 "broken": Out(stream.Signature(1)),
             }
         )
@@ -78,7 +80,9 @@ class InStep(wiring.Component):
         m.submodules.selection = selection = self.selection
         corners, surfaces = selection.corners, selection.surfaces
         joined = [corners, surfaces]
-        centre, pause, valid = self.i.payload, Signal(), Signal()
+        centre, valid = self.i.payload, Signal()
+        # the grid takes a clock for new settings
+        pause = Signal(init=self._cells)
         m.d.comb += [
             valid.eq(self.i.valid & ~pause),
             self.i.ready.eq(corners.ready & ~pause),
@@ -96,11 +100,15 @@ class InStep(wiring.Component):
                 *(textures.payload.eol.eq(centre.eol), textures.payload.eof.eq(centre.eof)),
             ]
         m.d.comb += [source.valid.eq(valid) for source in joined]
-        m.d.sync += pause.eq(self.i.valid & self.i.ready & centre.eof)
+        # what ends a row of cells needs a clock, too
+        ends = centre.eol if self._cells else centre.eof
+        m.d.sync += pause.eq(self.i.valid & self.i.ready & ends)
         with m.If(Cat(corners.ready != source.ready for source in joined).any()):
             m.d.sync += self.broken.valid.eq(1)
         if self._budget:
             m.d.comb += selection.max_corners.eq(self.max_corners)
+        if self._cells:
+            m.d.comb += selection.cells.eq(self.cells)
         wiring.connect(m, selection.candidate, wiring.flipped(self.candidate))
         wiring.connect(m, selection.pending, wiring.flipped(self.pending))
         return m
@@ -286,3 +294,44 @@ def test_limit(most: int, stalls: Stalls) -> None:
         np.flatnonzero(is_end).tolist()
         == (np.cumsum(np.bincount(frame[kept], minlength=4)) + range(4)).tolist()
     )
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+@pytest.mark.parametrize("per_cell", [0, 3])
+def test_cells(name: EngineName, stalls: Stalls, per_cell: int) -> None:
+    """Each corner with its cell, and ends of rows of cells; where cells choose, no limit before."""
+    parameters = Build.profile("paper", budget=True, max_width=64, max_per_cell=4)
+    layout, (height, width), side = pending_record_layout(parameters), (21, 40), {"x": 9, "y": 8}
+    chosen = side["x"], side["y"], per_cell
+    sizes = [(height, width)] * (3 if name == "compiled" else 1)
+    centre = centres(sizes, (0.3, 0.4, 0.7))
+    centre["corner"][1::2] = False
+    levels = {
+        "max_corners": 5,
+        "cells": sum(value << at for at, value in zip((0, 8, 16), chosen, strict=True)),
+    }
+    capture = engine(name, InStep, parameters).run(
+        Stimulus({"i": pack(CENTRE, centre)}, [(0, levels)], stalls),
+        quiet=500 + 20 * int(1 / ((1 - stalls.inputs) * (1 - stalls.outputs))),
+    )
+    pending = unpack(layout, capture.outputs["pending"])
+    cell, marks = pending["cell"], pending["end"] == 1
+    if not per_cell:
+        assert not cell["row_end"].any() and not cell["per_cell"].any()
+        accepted = (pending["textured"] == 0) & ~marks
+        assert accepted.sum() == 5 * len(sizes)
+        return
+    marks |= cell["row_end"] == 1
+    picked = np.flatnonzero(centre["corner"] & centre["keep"])
+    frame, place = np.divmod(picked, height * width)
+    y, x = (at + MARGIN for at in np.divmod(place, width))
+    assert pending["x"][~marks].tolist() == x.tolist() and pending["y"][~marks].tolist() == y.tolist()
+    columns = x // side["x"] - MARGIN // side["x"]
+    assert cell["column"][~marks].tolist() == columns.tolist()
+    assert (cell["per_cell"] == per_cell).all() and (cell["max_corners"] == 5).all()
+    # every row of cells ends after the last of its corners
+    rows = frame * 100 + y // side["y"]
+    each = [100 * k + row for k in range(len(sizes)) for row in range(MARGIN // side["y"], 4)]
+    ends = [int((rows <= row).sum()) + k for k, row in enumerate(each)]
+    assert np.flatnonzero(marks).tolist() == ends
+    assert (pending["end"][marks] == [row % 100 == 3 for row in each]).all()

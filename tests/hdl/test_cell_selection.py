@@ -18,7 +18,7 @@ from hdl.build import Build
 from hdl.cell_selection import CellSelection
 from sim.engine import EngineName
 from sim.stimulus import Capture, Stalls
-from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, run_block
+from tests.support.blocks import ENGINES, NO_STALLS, RUN_IDS, RUNS, run_block
 
 SIDE = 8
 """Side of all cells here: the grid is another block."""
@@ -130,11 +130,21 @@ def test_frames(parameters: Parameters, name: EngineName, stalls: Stalls) -> Non
     check(parameters, many(parameters) if name == "compiled" else many(parameters)[3:5], name, stalls)
 
 
-def test_by_hand() -> None:
+@pytest.mark.parametrize("name", ENGINES)
+def test_by_hand(name: EngineName) -> None:
     """One cell of two: 5, 9, 5, 7, 9 come; the 9s stay, and the first of them comes first."""
     frame = Frame(np.arange(5), np.zeros(5, np.int64), np.array([5, 9, 5, 7, 9]), per_cell=2, height=8)
-    capture = check(PLAIN, [frame])
+    capture = check(PLAIN, [frame], name)
     assert [int(word) & 7 for word in capture.outputs["o"][:-1, 0]] == [1, 4]
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_rows_of_cells_leave_nothing_to_those_after_them(name: EngineName) -> None:
+    """The last cell of a row is asked for at once, and had records two rows before."""
+    y = np.repeat(np.arange(0, 48, 8), 2)
+    frame = Frame(np.tile([95, 95], 6), y + np.tile([0, 1], 6), np.arange(12) + 1, per_cell=4, height=48)
+    few = Frame(np.array([3, 90]), np.array([2, 2]), np.array([7, 8]), per_cell=1, height=8)
+    check(PLAIN, [frame, few, few, few], name)
 
 
 @pytest.mark.parametrize("order", [1, -1])

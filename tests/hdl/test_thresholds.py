@@ -15,6 +15,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from golden import thresholds as golden
+from golden.formats import CELL_SETTINGS
 from golden.parameters import Parameters
 from golden.settings import Settings
 from hdl.build import Build
@@ -46,6 +47,7 @@ PIXELS = Build.profile("paper", patches="pixels", pixel_bits=10)
 MEAN = Build.profile("paper", texture="mean", gradient="signed")
 NONE = Build.profile("paper", texture="none")
 BUDGET = Build.profile("paper", budget=True)
+CELLS = Build.profile("paper", max_per_cell=16)
 FULL = PARAMETERS.response_max
 LARGEST = 7 * FULL // 9
 
@@ -71,6 +73,12 @@ def budget_fields(parameters: Parameters, settings: list[Settings]) -> dict[str,
         "max_corners": np.array([each.max_corners for each in settings]),
         "aim": {name: np.array(values) for name, values in aim.items()},
     }
+
+
+def cell_fields(parameters: Parameters, settings: list[Settings]) -> dict[str, Any]:
+    if not parameters.max_per_cell:
+        return {}
+    return {"cells": {name: np.array([getattr(each, name) for each in settings]) for name in CELL_SETTINGS}}
 
 
 def limits(
@@ -103,8 +111,9 @@ def check(
         "t1": np.array([limit.t1 for limit in expected]),
         # without a texture filter there is none
         "t2": np.array([limit.t2 * (parameters.algorithm.texture != "none") for limit in expected]),
-        "report_rejected": np.array([settings.report_rejected for _, settings in frames]),
+        "report_rejected": np.array([settings.rejected_too for _, settings in frames]),
         **budget_fields(parameters, [settings for _, settings in frames]),
+        **cell_fields(parameters, [settings for _, settings in frames]),
     }
     # a frame waits for the thresholds before: who waits for whom, the tests assert themselves
     return run_block(
@@ -155,6 +164,17 @@ def test_extremes(parameters: Parameters) -> None:
     frames = [(full, largest), (full, largest), (empty, largest), (full, largest), (empty, largest)]
     frames += [(full, replace(largest, reference="constant", constant=1, sigma1=0, sigma2=0))]
     check(frames, parameters)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_cells(name: EngineName) -> None:
+    """They come with the thresholds; where they choose, rejected corners are not reported."""
+    kinds = [
+        Settings(cell_width=8 + 60 * k, cell_height=128 - 30 * k, per_cell=most, report_rejected=rejected)
+        for k, (most, rejected) in enumerate([(0, True), (1, True), (16, False)])
+    ]
+    frames = list(zip(noise([(9, 9)] * 3, FULL), kinds, strict=True))
+    check(frames, CELLS, name)
 
 
 @pytest.mark.parametrize("name", ENGINES)
