@@ -56,7 +56,7 @@ BUDGET = {
     ),
     "rejected corners count towards the limit": Mutation(
         "hdl/candidate_selection.py",
-        "~texture.textured & (accepted",
+        "~verdict.textured & (accepted",
         "(accepted",
         "tests/hdl/test_candidate_selection.py",
         "limit",
