@@ -83,7 +83,7 @@ def _to_cross(dx: Floats, dy: Floats, radius: float) -> Floats:
 
 _MARKS = {
     0: _Mark("corner; the stronger, the larger", ACCEPTED, _to_ring),
-    Flag.CLAMPED: _Mark("corner, position at the limit (clamped)", CLAMPED, _to_square),
+    Flag.CLAMPED: _Mark("corner, position approximate (clamped)", CLAMPED, _to_square),
     Flag.NOT_MAXIMUM: _Mark("corner, whole pixel (not a maximum)", NOT_MAXIMUM, _to_diamond),
     Flag.TEXTURED: _Mark("rejected by the texture filter", REJECTED, _to_cross),
 }

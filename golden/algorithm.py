@@ -24,8 +24,11 @@ PIXEL_FILTER_PASSES: dict[PixelFilter, int] = {"none": 0, "binomial": 1, "twice"
 """How often the pixels are smoothed; each time reaches one pixel further."""
 RESPONSE_FILTER_REACH: dict[ResponseFilter, int] = {"none": 0, "binomial": 1}
 """Responses around a place that decide its smoothed response."""
-FIT_REACH: dict[Fit, int] = {"nine": 0, "six": 0, "printed": 0, "gradient": 4}
-"""Pixels around a corner's pixel that the subpixel step reads; 0: it reads responses only."""
+FIT_REACH: dict[Fit, int] = {"nine": 0, "six": 0, "printed": 0, "gradient": 7}
+"""Pixels around a corner's pixel that the subpixel step reads; 0: it reads responses only.
+
+They are the pixels as they come: smoothed ones are less accurate at L-shaped corners.
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,9 +63,9 @@ class Algorithm:
         Subpixel step. A quadratic surface: by least squares over ``"nine"`` responses, exactly
         through the paper's ``"six"``, or by the formulas literally as ``"printed"`` (Eqs. 11-13;
         golden model only, because they do not recover even an exact paraboloid). ``"gradient"``
-        fits no surface: it is one step to the point to which the gradients of the 7x7 window
-        around the candidate are orthogonal, always with signed products, and needs pixels beside
-        the responses.
+        goes on from the peak of ``"nine"``, by two steps to the point to which the gradients of an
+        8x8 window around are orthogonal, and needs pixels beside the responses. Where the steps
+        cannot be trusted, it gives that peak.
     divider
         Quotients of the subpixel step. ``"table"``: by a table of reciprocals, as the paper has it,
         with an error below 1/128 pixel; ``"serial"``: a bit after the other, exact and rounded to
@@ -133,13 +136,10 @@ class Algorithm:
     def __post_init__(self) -> None:
         check_options(self)
         if self.response_filter == "binomial":
-            # S is known one pixel less far around a corner than D, and a surface can wait for no
-            # more than its own 3x3 of S
-            most = MAX_SUPPRESSION - 1 if self.fit == "gradient" else 1
-            if self.suppression > most:
+            # a surface can wait for no more than its own 3x3 of S
+            if self.suppression > 1:
                 raise ValueError(
-                    f"suppression is {self.suppression}; allowed with response_filter 'binomial' "
-                    f"and fit {self.fit!r}: 1" + (f" to {most}" if most > 1 else "")
+                    f"suppression is {self.suppression}; allowed with response_filter 'binomial': 1"
                 )
 
     @property
@@ -156,12 +156,14 @@ class Algorithm:
     def window_size(self) -> int:
         """Side of the window of responses around a corner that decides about it.
 
-        It is 9 for a texture filter, and for a step that reads pixels, which ride along with the
-        responses; else it is what the suppression sees.
+        It is 9 for a texture filter, else what the suppression sees; it is larger where a corner
+        would otherwise be found before the pixels that its fit reads have come.
         """
-        if self.texture != "none" or FIT_REACH[self.fit]:
-            return WINDOW_SIZE
-        return 2 * (self.suppression + RESPONSE_FILTER_REACH[self.response_filter]) + 1
+        if self.texture != "none":
+            needed = WINDOW_SIZE
+        else:
+            needed = 2 * (self.suppression + RESPONSE_FILTER_REACH[self.response_filter]) + 1
+        return max(needed, 2 * (FIT_REACH[self.fit] - self.response_margin) + 1)
 
     @property
     def margin(self) -> int:
@@ -170,8 +172,7 @@ class Algorithm:
         All that is read of a corner lies inside the frame. Its refined position may be nearer to
         the edge.
         """
-        responses = self.response_margin + self.window_size // 2
-        return max(responses, self.pixel_passes + FIT_REACH[self.fit])
+        return self.response_margin + self.window_size // 2
 
     @property
     def support(self) -> int:

@@ -21,10 +21,13 @@ class Flag(IntFlag):
     """Bits 63:61 of a record."""
 
     CLAMPED = 1
-    """The peak was too far from its pixel; the position is at the limit of the subpixel step."""
+    """The position is approximate: the peak was too far from its pixel, and was clamped.
+
+    By ``fit="gradient"``: its steps cannot be trusted; this is the peak of the response.
+    """
 
     NOT_MAXIMUM = 2
-    """No peak could be fitted, or all gradients are parallel; the position is the whole pixel."""
+    """No peak could be fitted, and no step be trusted; the position is the whole pixel."""
 
     TEXTURED = 4
     """The texture filter rejects this corner."""

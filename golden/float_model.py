@@ -157,7 +157,7 @@ def surface(samples: Map, fit: Fit) -> Map:
     flat = samples.reshape(9)
     six = list(SIX)
     x, y = GRID_X[six], GRID_Y[six]
-    if fit == "nine":
+    if fit in ("nine", "gradient"):
         return np.linalg.lstsq(design_matrix(GRID_X, GRID_Y), flat, rcond=None)[0].astype(np.float64)
     if fit == "six":
         return np.linalg.solve(design_matrix(x, y), flat[six]).astype(np.float64)
@@ -181,19 +181,57 @@ def peak(coefficients: Map, printed: bool = False) -> tuple[float, float, Flag]:
     return float(np.clip(dx, -0.5, 0.5)), float(np.clip(dy, -0.5, 0.5)), flag
 
 
-def gradient_step(pixels: NDArray[Any]) -> tuple[float, float, Flag]:
-    """(dx, dy) and flags of the point q to which the gradients of 9x9 pixels are orthogonal.
+STEP_HALF_WINDOW, STEP_REACH, STEP_LIMIT = 4.0, 7, 4.0
+"""Half the side of a step's window, pixels around a corner's pixel, largest offset."""
+FARTHEST_WINDOW = 39 / 16
+"""A window is centred no farther than this from a corner's pixel along each axis."""
 
-    There is one equation g·(q - p) = 0 for each of the 49 pixels p; they are solved by least
-    squares, and the result is clamped to 4 pixels.
+
+def gradient_step(pixels: NDArray[Any], x: float, y: float) -> tuple[float, float] | None:
+    """The point to which the gradients of 15x15 pixels are orthogonal in an 8x8 window.
+
+    There is an equation g·(q - p) = 0 for each pixel p. They are solved by least squares, each
+    weighing as much as the window covers of the square of its pixel. The window is centred at (x,
+    y), counted from the middle pixel; so is the result. None if all gradients are parallel.
     """
-    gx, gy = (g[1:-1, 1:-1].reshape(-1) for g in gradients(pixels))
-    v, u = (axis.reshape(-1) - 3 for axis in np.mgrid[:7, :7])
-    (dx, dy), _, rank, _ = np.linalg.lstsq(np.stack([gx, gy], axis=-1), gx * u + gy * v, rcond=None)
-    if rank < 2:
-        return 0.0, 0.0, Flag.NOT_MAXIMUM
-    flag = Flag.CLAMPED if max(abs(dx), abs(dy)) >= 4 else Flag(0)
-    return float(np.clip(dx, -4, 4)), float(np.clip(dy, -4, 4)), flag
+    gx, gy = gradients(pixels)
+    places = np.arange(-STEP_REACH, STEP_REACH + 1)
+
+    def covered(middle: float) -> Map:
+        middle = float(np.clip(middle, -FARTHEST_WINDOW, FARTHEST_WINDOW))
+        lower = np.maximum(places - 0.5, middle - STEP_HALF_WINDOW)
+        return np.clip(np.minimum(places + 0.5, middle + STEP_HALF_WINDOW) - lower, 0, None)
+
+    weights = covered(y)[:, None] * covered(x)
+    inside = weights > 0
+    g = np.stack([gx[inside], gy[inside]], axis=-1) * np.sqrt(weights[inside])[:, None]
+    v, u = (places[axis] for axis in np.nonzero(inside))
+    (dx, dy), _, rank, _ = np.linalg.lstsq(g, g[:, 0] * u + g[:, 1] * v, rcond=None)
+    return None if rank < 2 else (float(dx), float(dy))
+
+
+def gradient_steps(pixels: NDArray[Any], start: tuple[float, float, Flag]) -> tuple[float, float, Flag]:
+    """(dx, dy) and flags after two steps from the surface's peak.
+
+    Where they disagree, the first one counts if it leads half a pixel away, else the peak does.
+    """
+    unmoved = start[0], start[1], start[2] or Flag.CLAMPED
+    first = _step_within_limits(pixels, *start[:2])
+    if first is None:
+        return unmoved
+    second = _step_within_limits(pixels, *first)
+    way = max(abs(first[0] - start[0]), abs(first[1] - start[1]))
+    if second and 2 * max(abs(second[0] - first[0]), abs(second[1] - first[1])) <= way + 1 / 8:
+        return *second, Flag(0)
+    return (*first, Flag.CLAMPED) if way >= 0.5 else unmoved
+
+
+def _step_within_limits(pixels: NDArray[Any], x: float, y: float) -> tuple[float, float] | None:
+    """The step, unless it leads too far from its window's middle pixel or from the corner's."""
+    found = gradient_step(pixels, x, y)
+    middles = np.rint(np.clip([x, y], -FARTHEST_WINDOW, FARTHEST_WINDOW))
+    near = found is not None and np.abs([found, found - middles]).max() < STEP_LIMIT
+    return found if near else None
 
 
 def strongest_of_cells(
@@ -224,7 +262,6 @@ def reference_detect(
     settings = chosen_settings(settings, parameters)
     image = check_image(image, parameters)
     algorithm = parameters.algorithm
-    pixels = filtered_pixels(image, algorithm)
     responses = response_map(image, algorithm, parameters.pixel_bits)
     peaks = binomial(responses) if algorithm.response_filter == "binomial" else responses
     given = reference is not None
@@ -269,11 +306,11 @@ def reference_detect(
         value, accepted = judge(y, x, t1)
         if not accepted and not settings.rejected_too:
             continue
+        coefficients = surface(peaks[y - 1 : y + 2, x - 1 : x + 2], algorithm.fit)
+        dx, dy, flag = peak(coefficients, printed=algorithm.fit == "printed")
         if algorithm.fit == "gradient":
-            dx, dy, flag = gradient_step(pixels[y - 4 : y + 5, x - 4 : x + 5])
-        else:
-            coefficients = surface(peaks[y - 1 : y + 2, x - 1 : x + 2], algorithm.fit)
-            dx, dy, flag = peak(coefficients, printed=algorithm.fit == "printed")
+            around = [slice(at - STEP_REACH, at + STEP_REACH + 1) for at in (y, x)]
+            dx, dy, flag = gradient_steps(image[around[0], around[1]], (dx, dy, flag))
         found.append((x + dx, y + dy, max(value, 0), flag | (Flag(0) if accepted else Flag.TEXTURED)))
         cells.append((y // settings.cell_height, x // settings.cell_width))
     if settings.per_cell:

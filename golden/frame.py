@@ -97,11 +97,6 @@ class Frame:
         self.peaks = peak_responses(self.responses, parameters)
 
     @cached_property
-    def pixels(self) -> Image:
-        """The pixels that all blocks see: ``Algorithm.pixel_passes`` fewer at each edge."""
-        return pixel_filter(self.image, self.parameters.algorithm.pixel_passes)
-
-    @cached_property
     def maximum(self) -> int:
         """The largest response of the pixels at which a corner may be."""
         radius = self.parameters.algorithm.suppression
@@ -170,9 +165,7 @@ class Frame:
         algorithm = self.parameters.algorithm
         before = algorithm.margin - algorithm.suppression
         samples = _around(self.peaks, 3, corners.y - before, corners.x - before)
-        before = algorithm.pixel_passes
-        size = 2 * FIT_REACH[algorithm.fit] + 1
-        pixel_windows = _around(self.pixels, size, corners.y - before, corners.x - before)
+        pixel_windows = _around(self.image, 2 * FIT_REACH[algorithm.fit] + 1, corners.y, corners.x)
         offset = subpixel(samples, self.parameters, pixel_windows)
         return encode(corners.x, corners.y, corners.response, offset, ~corners.accepted)
 
@@ -182,6 +175,13 @@ class Frame:
         They are in raster order; where cells choose, in the order of ``golden.cell_selection``.
         """
         return self.encoded(self.chosen(self.corners(limits, pixels=pixels)))
+
+    def surroundings(self, corners: Candidates) -> tuple[IntArray, Image]:
+        """What ``golden.subpixel`` reads: (n, 3, 3) of the peaks, and pixels as far as it needs."""
+        algorithm = self.parameters.algorithm
+        before = algorithm.margin - algorithm.suppression
+        samples = _around(self.peaks, 3, corners.y - before, corners.x - before)
+        return samples, _around(self.image, 2 * FIT_REACH[algorithm.fit] + 1, corners.y, corners.x)
 
     def within_budget(self, records: Records) -> Records:
         """The records up to the last accepted corner that ``max_corners`` allows."""

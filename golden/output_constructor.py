@@ -7,10 +7,11 @@ bits    corner record
 39:20   y, likewise
 60:40   D, the corner response, unsigned (with 8-bit pixels 16 bits are used, or
         17 with signed gradients)
-61      CLAMPED: the corner lay half a pixel away or more in x or y and was
-        clamped; by the gradient step, 4 pixels
-62      NOT_MAXIMUM: the fitted surface has no maximum, or all gradients are
-        parallel; the offset is (0, 0)
+61      CLAMPED: the peak lay half a pixel away or more in x or y and was
+        clamped. By ``fit="gradient"``: its steps cannot be trusted; this is
+        the peak of the response
+62      NOT_MAXIMUM: the fitted surface has no maximum and, by
+        ``fit="gradient"``, its steps cannot be trusted; the offset is (0, 0)
 63      TEXTURED: rejected by the texture filter (only if those are reported)
 ======  ==========================================================================
 

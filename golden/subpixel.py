@@ -1,9 +1,9 @@
-"""Subpixel refinement (Sec. 3.4): the peak of a quadratic surface, or a gradient step."""
+"""Subpixel refinement (Sec. 3.4): the peak of a quadratic surface, or gradient steps from there."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -43,9 +43,12 @@ class Offset:
     dy: Int64
     """Likewise."""
     clamped: NDArray[np.bool_]
-    """The corner lies as far away as the limit or farther, along x or y."""
+    """The corner lies as far away as the limit or farther, along x or y.
+
+    By ``fit="gradient"``: its steps cannot be trusted, and this is the surface's peak.
+    """
     not_maximum: NDArray[np.bool_]
-    """The surface has no maximum, or all gradients are parallel; dx and dy are 0."""
+    """There is no maximum and, by ``fit="gradient"``, no step to trust either; dx and dy are 0."""
 
 
 def fit_nine(s: IntArray) -> Surface:
@@ -106,8 +109,7 @@ class SubpixelFit:
     Parameters
     ----------
     derivatives
-        The five values, from (..., 3, 3) responses and (..., 9, 9) pixels around each corner; the
-        pixels are needed if ``by_pixels``, and are ignored otherwise.
+        The five values of a surface fitted to (..., 3, 3) responses.
     largest
         The largest size of one of the five values in a detector with these parameters.
     limit
@@ -115,12 +117,12 @@ class SubpixelFit:
     mantissa_bits
         Bits of the five values, beside their sign, that go into the products of Eq. 13.
     by_pixels
-        It reads the pixels, not the responses.
+        The surface's peak is where gradient steps start, which read pixels.
     printed
         Eq. 13 with its misprint, and without asking for a maximum; see :func:`peak`.
     """
 
-    derivatives: Callable[[IntArray, Image | None], Derivatives[Int64]]
+    derivatives: Callable[[IntArray], Derivatives[Int64]]
     largest: Callable[[Parameters], int]
     limit: int
     mantissa_bits: int
@@ -136,7 +138,7 @@ def _by_surface(fit: Callable[[IntArray], Surface], printed: bool = False) -> Su
     weights = np.stack(derivatives(fit(units)))
     gain = int(np.maximum(np.maximum(weights, 0).sum(-1), np.maximum(-weights, 0).sum(-1)).max())
     return SubpixelFit(
-        derivatives=lambda responses, pixels: derivatives(fit(responses)),
+        derivatives=lambda responses: derivatives(fit(responses)),
         largest=lambda parameters: gain * parameters.response_max,
         limit=HALF,
         mantissa_bits=10,
@@ -144,25 +146,24 @@ def _by_surface(fit: Callable[[IntArray], Surface], printed: bool = False) -> Su
     )
 
 
-def _by_gradients(responses: IntArray, pixels: Image | None) -> Derivatives[Int64]:
-    if pixels is None:
-        raise ValueError('fit is "gradient", which needs pixels; allowed: (..., 9, 9) around each corner')
-    return normal_equations.normal_equations(pixels)
-
-
-FITS: dict[Fit, SubpixelFit] = {
-    "nine": _by_surface(fit_nine),
-    "six": _by_surface(fit_six),
-    "printed": _by_surface(fit_printed, printed=True),
-    "gradient": SubpixelFit(
-        derivatives=_by_gradients,
-        largest=normal_equations.largest,
-        # a corner may lie anywhere in the window and, where it is at its edge, a little outside
+def _by_gradients(surface: SubpixelFit) -> SubpixelFit:
+    """Steps from the surface's peak; a corner may lie anywhere in a window or a little outside."""
+    return replace(
+        surface,
+        largest=lambda parameters: max(surface.largest(parameters), normal_equations.largest(parameters)),
         limit=4 << OFFSET_BITS,
         # the two equations are close to each other where one edge is much the stronger
         mantissa_bits=12,
         by_pixels=True,
-    ),
+    )
+
+
+_NINE = _by_surface(fit_nine)
+FITS: dict[Fit, SubpixelFit] = {
+    "nine": _NINE,
+    "six": _by_surface(fit_six),
+    "printed": _by_surface(fit_printed, printed=True),
+    "gradient": _by_gradients(_NINE),
 }
 """All that depends on ``Algorithm.fit``."""
 
@@ -230,6 +231,66 @@ def peak(
     return Offset(dx, dy, beyond_x | beyond_y, ~usable)
 
 
+Solve = Callable[[Derivatives[Int64]], Offset]
+
+DISAGREEMENT = 16
+"""Twice what a second step may be long, in 1/128 pixel, beside the length of the first."""
+
+
+def gradient_steps(surface: Offset, pixels: Image, solve: Solve) -> Offset:
+    """Two gradient steps: from the surface's peak, and from where the first one leads.
+
+    A step halves the way to the corner at least, unless edges are wider than the window, or other
+    corners are in it. A step fails where its equations have no solution within their limit, or the
+    corner is as far from its pixel as :attr:`SubpixelFit.limit` or farther. With s the larger part,
+    along x or y, of a step's way, the steps are trusted if neither fails and
+
+        2·s(second) <= s(first) + DISAGREEMENT
+
+    Elsewhere the corner is flagged ``clamped``, and is the surface's peak: a window with several
+    corners in it misleads steps more. But if the first step has not failed and s(first) is half a
+    pixel or more, it is where that leads: a surface says nothing about what is so far away.
+
+    Parameters
+    ----------
+    surface
+        Peak of the surface; where that has none, the corner's pixel.
+    pixels
+        (..., 15, 15) around each corner.
+    solve
+        Solution of normal equations, within the limit of a step.
+    """
+    first, first_fails = _gradient_step(surface, pixels, solve)
+    second, second_fails = _gradient_step(first, pixels, solve)
+    way = _apart(surface, first)
+    trusted = ~first_fails & ~second_fails & (2 * _apart(first, second) <= way + DISAGREEMENT)
+    leads = ~first_fails & (way >= HALF)
+
+    def chosen(steps: list[Int64], otherwise: Int64) -> Int64:
+        return np.select([trusted, leads], steps, otherwise)
+
+    return Offset(
+        dx=chosen([second.dx, first.dx], surface.dx),
+        dy=chosen([second.dy, first.dy], surface.dy),
+        clamped=~trusted & (leads | ~surface.not_maximum),
+        not_maximum=~trusted & ~leads & surface.not_maximum,
+    )
+
+
+def _gradient_step(start: Offset, pixels: Image, solve: Solve) -> tuple[Offset, NDArray[np.bool_]]:
+    """Where a step from there leads, relative to the corner's pixel, and whether it fails."""
+    x, y = (normal_equations.window_place(offset) for offset in (start.dx, start.dy))
+    found = solve(normal_equations.normal_equations(pixels, x, y))
+    dx = (normal_equations.centre(x) << OFFSET_BITS) + found.dx
+    dy = (normal_equations.centre(y) << OFFSET_BITS) + found.dy
+    far = np.maximum(np.abs(dx), np.abs(dy)) >= FITS["gradient"].limit
+    return replace(found, dx=dx, dy=dy), found.clamped | found.not_maximum | far
+
+
+def _apart(one: Offset, other: Offset) -> Int64:
+    return np.maximum(np.abs(one.dx - other.dx), np.abs(one.dy - other.dy))
+
+
 def subpixel(responses: IntArray, parameters: Parameters, pixels: Image | None = None) -> Offset:
     """Offset of corners, by the fit of ``parameters``.
 
@@ -238,7 +299,7 @@ def subpixel(responses: IntArray, parameters: Parameters, pixels: Image | None =
     responses
         (..., 3, 3) around each corner; a surface is fitted to these.
     pixels
-        (..., 9, 9) around each corner; only ``fit="gradient"`` reads them.
+        (..., 15, 15) around each corner, as they came; only ``fit="gradient"`` reads them.
 
     Raises
     ------
@@ -246,12 +307,14 @@ def subpixel(responses: IntArray, parameters: Parameters, pixels: Image | None =
         There are no pixels where they are needed.
     """
     fit = FITS[parameters.algorithm.fit]
-    values = fit.derivatives(responses, pixels)
-    return peak(
-        values,
-        derivative_bits(parameters),
-        fit.mantissa_bits,
-        fit.limit,
-        divider=parameters.algorithm.divider,
-        printed=fit.printed,
-    )
+
+    def solve(values: Derivatives[Int64], limit: int = fit.limit) -> Offset:
+        bits, divider = derivative_bits(parameters), parameters.algorithm.divider
+        return peak(values, bits, fit.mantissa_bits, limit, divider=divider, printed=fit.printed)
+
+    surface = solve(fit.derivatives(responses), HALF)
+    if not fit.by_pixels:
+        return surface
+    if pixels is None:
+        raise ValueError('fit is "gradient", which needs pixels; allowed: (..., 15, 15) around each corner')
+    return gradient_steps(surface, pixels, solve)

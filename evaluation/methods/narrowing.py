@@ -25,12 +25,13 @@ from flow.cyclone4.area import Area
 from flow.cyclone4.synthesis import map_component
 from golden import Corners, Parameters, Settings, decode
 from golden.convolution import KERNEL, SHIFT
+from golden.derivatives import Derivatives
 from golden.formats import OFFSET_BITS
 from golden.frame import Frame, response_map
-from golden.normal_equations import PIXEL_SIZE, normal_equations
+from golden.normal_equations import normal_equations, window_place
 from golden.preprocessing import IntArray, gradients, products
 from golden.response import response
-from golden.subpixel import FITS, derivative_bits, peak
+from golden.subpixel import FITS, derivative_bits, peak, subpixel
 from golden.thresholds import thresholds
 from hdl.build import Build
 from hdl.parts.circular_buffer import CircularBuffer
@@ -253,8 +254,7 @@ def _mantissa(
     parameters: Parameters, images: Sequence[NamedImage], widths: Sequence[int]
 ) -> Iterator[Figures]:
     step, fit = parameters.changed(fit="gradient"), FITS["gradient"]
-    windows = [_windows(image.pixels, step) for image in images]
-    sums = [normal_equations(pixels) for pixels in windows]
+    sums = [_first_sums(image.pixels, step) for image in images]
     exact = [_solution(*(part.astype(np.float64) for part in parts)) for parts in sums]
     for kept in widths:
         errors = []
@@ -276,13 +276,13 @@ def _mantissa(
         }
 
 
-def _windows(image: NDArray[np.uint8], parameters: Parameters) -> NDArray[np.uint8]:
-    """The pixels around every corner above the default T1, also around rejected ones."""
+def _first_sums(image: NDArray[np.uint8], parameters: Parameters) -> Derivatives[NDArray[np.int64]]:
+    """Sums of the first step from every corner above the default T1, also from rejected ones."""
     frame = Frame(image, parameters, Settings.default(parameters))
     _, limits = frame.own_thresholds()
-    corners = frame.candidates(limits)
-    windows = np.lib.stride_tricks.sliding_window_view(image, (PIXEL_SIZE, PIXEL_SIZE))
-    return windows[corners.y - PIXEL_SIZE // 2, corners.x - PIXEL_SIZE // 2]
+    samples, pixels = frame.surroundings(frame.candidates(limits))
+    surface = subpixel(samples, parameters.changed(fit="nine"))
+    return normal_equations(pixels, window_place(surface.dx), window_place(surface.dy))
 
 
 def _solution(

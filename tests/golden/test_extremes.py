@@ -154,7 +154,7 @@ def test_every_number_of_the_subpixel_refinement_keeps_its_width(pixel_bits: int
     patches = [np.random.default_rng(1).integers(0, 2, (5000, 3, 3)) * parameters.response_max]
     for _, image in extremes(pixel_bits):
         patches.append(sliding_window_view(response_map(image, parameters), (3, 3)).reshape(-1, 3, 3))
-    values = FITS[fit].derivatives(np.concatenate(patches), None)
+    values = FITS[fit].derivatives(np.concatenate(patches))
     bits = derivative_bits(parameters)
     assert max(int(np.abs(value).max()) for value in values).bit_length() == bits
     xx, yy, xy, x, y = cut = mantissas(values, bits, 10)

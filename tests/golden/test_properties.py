@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 from golden import Corners, Parameters, Settings, StreamModel, detect
 from golden.convolution import smooth
 from golden.frame import Frame, response_map
-from golden.normal_equations import PIXEL_SIZE, normal_equations
 from golden.output_constructor import Flag
 from golden.pixel_filter import pixel_filter
 from golden.preprocessing import gradients, products
 from golden.subpixel import FITS
-from tests.support.offsets import bounds, offset_bounds
+from tests.support.offsets import bounds
 from tests.support.strategies import detectors, images
 
 Image = NDArray[np.unsignedinteger[Any]]
@@ -69,10 +68,6 @@ def find(image: Image, parameters: Parameters) -> Found:
     y, x = rows + parameters.algorithm.margin, columns + parameters.algorithm.margin
     pixels = Corners(x + 0.0, y + 0.0, corners.response, corners.flags)
     assert len(pixels.x) == len(corners)
-    if parameters.algorithm.fit == "gradient":
-        around = parameters.algorithm.pixel_passes + PIXEL_SIZE // 2
-        windows = sliding_window_view(frame.pixels, (PIXEL_SIZE, PIXEL_SIZE))[y - around, x - around]
-        return Found(corners, pixels, offset_bounds(normal_equations(windows), parameters))
     around = parameters.algorithm.suppression - 1
     patches = sliding_window_view(frame.peaks, (3, 3))[rows + around, columns + around]
     return Found(corners, pixels, bounds(patches, parameters))
@@ -82,7 +77,8 @@ even_handed = detectors(ties="strict", fit="nine") | detectors(ties="strict", fi
 """Detectors in which neither ties nor the six samples prefer a direction."""
 
 
-@given(images(), even_handed, st.sampled_from(sorted(TURNS)))
+# where a step can be trusted has no bound: see tests/golden/test_normal_equations.py for its turns
+@given(images(), detectors(ties="strict", fit="nine"), st.sampled_from(sorted(TURNS)))
 def test_turning_the_image_turns_the_corners(image: Image, parameters: Parameters, turn: str) -> None:
     """The pixel, response and verdict of each corner are exact, its offset within its bound."""
     turn_image, turn_corners = TURNS[turn]

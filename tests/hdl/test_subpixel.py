@@ -40,7 +40,7 @@ def check(
 ) -> Capture:
     """``patches``: (n, 3, 3)."""
     assert patches.min() >= 0 and patches.max() <= Build.profile("paper", pixel_bits=pixel_bits).response_max
-    values = GOLDEN_FITS[fit].derivatives(patches, None)
+    values = GOLDEN_FITS[fit].derivatives(patches)
     return check_derivatives(fit, values, name, stalls, pixel_bits, divider)
 
 

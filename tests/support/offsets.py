@@ -38,7 +38,7 @@ class Peaks(NamedTuple):
 
 def exact_peaks(patches: IntArray, parameters: Parameters) -> Peaks:
     """By exact sums and float64 quotients, of (n, 3, 3) responses."""
-    return exact_offsets(FITS[parameters.algorithm.fit].derivatives(patches, None), parameters)
+    return exact_offsets(FITS[parameters.algorithm.fit].derivatives(patches), parameters)
 
 
 def exact_offsets(values: Derivatives[Int64], parameters: Parameters) -> Peaks:
@@ -50,7 +50,7 @@ def exact_offsets(values: Derivatives[Int64], parameters: Parameters) -> Peaks:
 
 def bounds(patches: IntArray, parameters: Parameters) -> Float64:
     """Bound of the golden model's error along either axis; inf if no maximum is certain."""
-    return offset_bounds(FITS[parameters.algorithm.fit].derivatives(patches, None), parameters)
+    return offset_bounds(FITS[parameters.algorithm.fit].derivatives(patches), parameters)
 
 
 def offset_bounds(values: Derivatives[Int64], parameters: Parameters) -> Float64:

@@ -100,6 +100,5 @@ def sigma2s(parameters: Parameters) -> st.SearchStrategy[float]:
 def _possible(chosen: dict[str, Any]) -> dict[str, Any]:
     """With the suppression that these can have."""
     if chosen["response_filter"] == "binomial":
-        most = 3 if chosen["fit"] == "gradient" else 1
-        return chosen | {"suppression": min(chosen["suppression"], most)}
+        return chosen | {"suppression": 1}
     return chosen

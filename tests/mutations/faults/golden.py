@@ -57,10 +57,24 @@ GOLDEN = {
     ),
     "the gradient step exchanges u and v": Mutation(
         "golden/normal_equations.py",
-        "u, v = PLACES[None, :], PLACES[:, None]",
-        "v, u = PLACES[None, :], PLACES[:, None]",
+        "x=total(a, across * u, down) + total(c, across, down * v)",
+        "x=total(a, across, down * v) + total(c, across * u, down)",
         "tests/golden/test_normal_equations.py",
         "by_hand",
+    ),
+    "the fraction of a gradient window is on the other side": Mutation(
+        "golden/normal_equations.py",
+        "[_ONE, _HALF - fraction, _HALF + fraction]",
+        "[_ONE, _HALF + fraction, _HALF - fraction]",
+        "tests/golden/test_normal_equations.py",
+        "by_hand",
+    ),
+    "gradient steps are trusted that disagree by one unit more": Mutation(
+        "golden/subpixel.py",
+        "<= _apart(surface, first) + DISAGREEMENT",
+        "<= _apart(surface, first) + DISAGREEMENT + 1",
+        "tests/golden/test_normal_equations.py",
+        "trust_by_hand",
     ),
     "the golden mantissas forget that a negative number may be largest": Mutation(
         "golden/subpixel.py",
