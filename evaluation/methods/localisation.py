@@ -96,14 +96,16 @@ def whole_pixels(image: NDArray[np.uint8], parameters: Parameters, settings: Set
     return np.column_stack([corners.x, corners.y])
 
 
-def corner_sub_pix(image: NDArray[np.uint8], pixels: NDArray[np.int64]) -> Positions:
-    """``cv2.cornerSubPix`` from these pixels, (n, 2)."""
+def corner_sub_pix(
+    image: NDArray[np.uint8], pixels: NDArray[np.int64], half_window: int = SUBPIX_HALF_WINDOW
+) -> Positions:
+    """``cv2.cornerSubPix`` from these pixels, (n, 2), windows 2·half_window + 1 pixels wide."""
     cv2 = opencv()
     if not len(pixels):
         return np.empty((0, 2))
     start = np.ascontiguousarray(pixels, dtype=np.float32).reshape(-1, 1, 2)
     stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, SUBPIX_ITERATIONS, SUBPIX_STEP)
-    window = (SUBPIX_HALF_WINDOW, SUBPIX_HALF_WINDOW)
+    window = (half_window, half_window)
     return cv2.cornerSubPix(image, start, window, (-1, -1), stop).reshape(-1, 2).astype(np.float64)
 
 

@@ -28,6 +28,7 @@ COLOURS = {
     "paper without filter": "#e69f00",
     "robust": "#0072b2",
     "robust without filter": "#56b4e9",
+    "precise": "#009e73",
     "goodFeaturesToTrack": "#cc79a7",
     "FAST": "#009e73",
     "chance": "#888888",
