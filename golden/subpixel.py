@@ -254,12 +254,14 @@ def gradient_steps(surface: Offset, pixels: Image, solve: Solve) -> Offset:
     Parameters
     ----------
     surface
-        Peak of the surface; where that has none, the corner's pixel.
+        Peak of the surface; where that has none, the corner's pixel. No more than half a pixel of
+        it counts.
     pixels
         (..., 15, 15) around each corner.
     solve
         Solution of normal equations, within the limit of a step.
     """
+    surface = replace(surface, dx=np.clip(surface.dx, -HALF, HALF), dy=np.clip(surface.dy, -HALF, HALF))
     first, first_fails = _gradient_step(surface, pixels, solve)
     second, second_fails = _gradient_step(first, pixels, solve)
     way = _apart(surface, first)
@@ -308,11 +310,11 @@ def subpixel(responses: IntArray, parameters: Parameters, pixels: Image | None =
     """
     fit = FITS[parameters.algorithm.fit]
 
-    def solve(values: Derivatives[Int64], limit: int = fit.limit) -> Offset:
+    def solve(values: Derivatives[Int64]) -> Offset:
         bits, divider = derivative_bits(parameters), parameters.algorithm.divider
-        return peak(values, bits, fit.mantissa_bits, limit, divider=divider, printed=fit.printed)
+        return peak(values, bits, fit.mantissa_bits, fit.limit, divider=divider, printed=fit.printed)
 
-    surface = solve(fit.derivatives(responses), HALF)
+    surface = solve(fit.derivatives(responses))
     if not fit.by_pixels:
         return surface
     if pixels is None:

@@ -301,7 +301,7 @@ def test_corners_are_less_than_four_pixels_away(far: int, fails: bool) -> None:
 
 
 def test_windows_are_where_the_surface_and_the_first_step_lead() -> None:
-    """70/128 is 9/16, in the next pixel's window; (128 + 72)/128 is 25/16, and -20/128 is -2/16."""
+    """Half a pixel of the surface counts, in the next pixel; (128 + 72)/128 is 25/16, -20 is -2/16."""
     pixels = ((X * Y) % 251).astype(np.uint8)[None]
     answers, asked = iter((offset(72, -20), offset(0, 0))), []
 
@@ -310,7 +310,7 @@ def test_windows_are_where_the_surface_and_the_first_step_lead() -> None:
         return next(answers)
 
     gradient_steps(offset(70, -1), pixels, answer)
-    assert asked == [normal_equations(pixels, np.array([x]), np.array([y])) for x, y in ((9, 0), (25, -2))]
+    assert asked == [normal_equations(pixels, np.array([x]), np.array([y])) for x, y in ((8, 0), (25, -2))]
 
 
 def trusted_on_board(square: int) -> float:
