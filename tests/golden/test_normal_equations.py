@@ -301,7 +301,7 @@ def test_corners_are_less_than_four_pixels_away(far: int, fails: bool) -> None:
 
 
 def test_windows_are_where_the_surface_and_the_first_step_lead() -> None:
-    """Half a pixel of the surface counts, in the next pixel; (128 + 72)/128 is 25/16, -20 is -2/16."""
+    """Half a pixel of the surface counts; (128 + 72)/128 is 25/16, and -20/128 is -2/16."""
     pixels = ((X * Y) % 251).astype(np.uint8)[None]
     answers, asked = iter((offset(72, -20), offset(0, 0))), []
 
