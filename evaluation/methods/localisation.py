@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import get_args
 
 import numpy as np
@@ -13,9 +13,11 @@ from evaluation.figures import Figures
 from evaluation.inputs.packages import opencv
 from evaluation.inputs.scenes import Scene
 from evaluation.methods.bootstrap import Values, estimate, mean, median, percentile_95
-from golden import Parameters, Settings, detect
+from golden import Parameters, Settings
 from golden.algorithm import Fit
+from golden.formats import OFFSET_BITS
 from golden.frame import Frame
+from golden.subpixel import subpixel
 
 Positions = NDArray[np.float64]
 
@@ -76,16 +78,24 @@ def _variants(parameters: Parameters) -> dict[str, Parameters]:
 def place(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> Localisation:
     """Find corners once, and place them by every method.
 
-    Which pixels are corners, whether they are textured, and their order do not depend on the fit.
+    Those that are too near to an edge for one of the methods are left out.
     """
-    settings = replace(settings, report_rejected=True)
-    found = {name: detect(image, variant, settings) for name, variant in _variants(parameters).items()}
-    pixels = whole_pixels(image, parameters, settings)
+    variants = _variants(parameters)
+    margin = max(variant.algorithm.margin for variant in variants.values())
+    frame = Frame(image, parameters, settings)
+    _, limits = frame.own_thresholds()
+    corners = frame.candidates(limits)
+    height, width = image.shape
+    from_edge = np.minimum.reduce([corners.x, corners.y, width - 1 - corners.x, height - 1 - corners.y])
+    corners = corners.where(from_edge >= margin)
+    pixels = np.column_stack([corners.x, corners.y])
     positions = {INTEGER: pixels.astype(np.float64)}
-    positions |= {name: np.column_stack([corners.x, corners.y]) for name, corners in found.items()}
+    for name, variant in variants.items():
+        samples, around = Frame(image, variant, settings, frame.responses).surroundings(corners)
+        offset = subpixel(samples, variant, around)
+        positions[name] = pixels + np.column_stack([offset.dx, offset.dy]) / (1 << OFFSET_BITS)
     positions[OPENCV] = corner_sub_pix(image, pixels)
-    assert len({len(each) for each in positions.values()}) == 1, "rows are not the same corners"
-    return Localisation(positions, found[parameters.algorithm.fit].accepted)
+    return Localisation(positions, corners.accepted)
 
 
 def whole_pixels(image: NDArray[np.uint8], parameters: Parameters, settings: Settings) -> NDArray[np.int64]:
