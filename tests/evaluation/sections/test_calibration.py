@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import json
+import re
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 
 from evaluation.inputs.small_boards import ACROSS, small_board
+from evaluation.report.page import FIGURES_NAME
 from evaluation.sections.calibration import Seen, locking, methods, place, scene, summary, tables
 from golden import Parameters
 
+DOCS = Path(__file__).parents[3] / "docs"
+PAGE = (DOCS / "howto" / "measurement.md").read_text(encoding="utf-8")
 PROFILES = {name: Parameters.profile("robust", fit=name) for name in ("nine", "gradient")}
 
 
@@ -89,3 +97,60 @@ def test_tables_say_how_many_are_found() -> None:
         "squares": [["6", "0.123, 0.12", "–", "25 %"]],
         "locking": [["2", "0.12", "–"]],
     }
+
+
+# -- docs/howto/measurement.md
+
+
+def committed() -> Any:
+    """The figures of the committed study."""
+    study = json.loads((DOCS / "results" / FIGURES_NAME).read_text(encoding="utf-8"))
+    return study["calibration"]
+
+
+def table(heading: str) -> dict[str, list[str]]:
+    """Cells of the first table below this heading, by its first column, which is left out."""
+    section = PAGE.split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    rows = [line.strip("|").split("|") for line in re.findall(r"^\|.*\|$", section, re.MULTILINE)]
+    return {row[0].strip(): [cell.strip() for cell in row[1:]] for row in rows[2:]}
+
+
+METHODS = ["robust", "precise", *methods({})]
+
+
+def test_squares_of_the_page() -> None:
+    found = committed()["conditions"]["squares, px"]
+    assert table("How large squares should be") == {
+        size: [
+            *(f"{figures[name]['median']['value']:.3f}" for name in METHODS),
+            f"{100 * figures['precise']['flagged']:.0f} %",
+        ]
+        for size, figures in found.items()
+    }
+
+
+def test_locking_of_the_page() -> None:
+    assert table("How soft images may be") == {
+        blur: [f"{figures[name]:.2f}" for name in METHODS] for blur, figures in committed()["locking"].items()
+    }
+
+
+def test_noise_and_jpeg_of_the_page() -> None:
+    conditions = committed()["conditions"]
+    for shown, kind in (("wedges", "L"), ("crossings", "saddle")):
+        values = [conditions[f"{kind}, {what}"] for what in ("noise, grey levels", "JPEG quality")]
+        for told, name in (("`precise`", "precise"), ("`cornerSubPix` 7×7", "cornerSubPix 7x7")):
+            cells = [f"{each[name]['median']['value']:.3f}" for some in values for each in some.values()]
+            assert table("Noise and JPEG")[f"{shown}, {told}"] == cells
+
+
+def test_what_the_page_recommends() -> None:
+    conditions = committed()["conditions"]
+    for size, figures in conditions["squares, px"].items():
+        best = min(figures[name]["median"]["value"] for name in methods({}))
+        ratio = figures["precise"]["median"]["value"] / best
+        assert ratio < 1.1 if int(size) >= 7 else ratio > 1.1
+    slanted = conditions["saddle, blur, px"]
+    for blur, ours, theirs in (("1", "0.05", "0.04"), ("1.5", "0.21", "0.05")):
+        for name, told in (("precise", ours), ("cornerSubPix 11x11", theirs)):
+            assert f"{slanted[blur][name]['median']['value']:.2f}" == told
