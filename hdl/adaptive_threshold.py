@@ -14,7 +14,7 @@ from golden.parameters import Parameters
 from hdl.centre_rows import centre_size
 from hdl.parts.outgoing_column import outgoing_column
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
-from hdl.sample import response_layout, responses, sample_layout
+from hdl.sample import response_layout, responses
 from hdl.thresholds import thresholds_layout
 
 
@@ -36,7 +36,7 @@ class AdaptiveThreshold(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(sample_layout(parameters), 9)``.
+        Stream of ``Columns(response_layout(parameters), 9)``.
     centres
         Stream of ``Columns(response_layout(parameters), centre_size(parameters))`` of S, as
         :class:`hdl.centre_rows.CentreRows` or :class:`hdl.response_filter.ResponseFilter` makes it
@@ -61,7 +61,7 @@ class AdaptiveThreshold(wiring.Component):
         self._rows = centre_size(parameters)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(sample_layout(parameters), WINDOW_SIZE))),
+                "i": In(stream.Signature(Columns(response_layout(parameters), WINDOW_SIZE))),
                 "centres": In(stream.Signature(Columns(response_layout(parameters), self._rows))),
                 "thresholds": In(stream.Signature(thresholds_layout(parameters))),
                 "o": Out(stream.Signature(Beat(self.verdict(parameters)))),

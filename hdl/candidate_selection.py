@@ -15,11 +15,12 @@ from golden.textures import TEXTURES
 from hdl.build import Build
 from hdl.cell_grid import CellGrid, cell_layout, cell_settings_layout
 from hdl.corner_detection import corner_layout
-from hdl.fits import derivatives_layout
+from hdl.fits import candidate_layout, derivatives_layout
 from hdl.parts.optional import optional
 from hdl.parts.probes import probe
 from hdl.parts.queue import Queue
 from hdl.parts.stream import Beat
+from hdl.step_layouts import reads_pixels, rows_kept
 from hdl.textures import texture_layout
 
 PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
@@ -90,7 +91,10 @@ class CandidateSelection(wiring.Component):
         Stream of ``derivatives_layout(parameters)`` from the surface fit, for the same centres in
         the same clocks.
     candidate
-        Stream of ``derivatives_layout(parameters)``.
+        Stream of ``candidate_layout(parameters)``.
+    picked, row
+        With the gradient step only: in this clock there is a candidate, and the row of pixels that
+        it would have as its place's.
     pending
         Stream of ``pending_record_layout(parameters)``.
     last
@@ -116,12 +120,14 @@ class CandidateSelection(wiring.Component):
         self._parameters = parameters
         texture, surface = texture_layout(parameters), derivatives_layout(parameters)
         self._filtered = bool(texture.members)
+        self._by_pixels = reads_pixels(parameters)
         super().__init__(
             {
                 "corners": In(stream.Signature(Beat(corner_layout(parameters)))),
                 **optional(self._filtered, textures=In(stream.Signature(Beat(texture)))),
                 "surfaces": In(stream.Signature(surface)),
-                "candidate": Out(stream.Signature(surface)),
+                "candidate": Out(stream.Signature(candidate_layout(parameters))),
+                **optional(self._by_pixels, picked=Out(1), row=Out(range(2 * rows_kept(parameters)))),
                 "pending": Out(stream.Signature(pending_record_layout(parameters))),
                 "last": Out(1),
                 "largest": Out(parameters.response_bits),
@@ -139,7 +145,7 @@ class CandidateSelection(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m, p = Module(), self._parameters
-        m.submodules.candidates = candidates = Queue(derivatives_layout(p), p.queue_depth)
+        m.submodules.candidates = candidates = Queue(candidate_layout(p), p.queue_depth)
         m.submodules.pending = pending = Queue(pending_record_layout(p), p.queue_depth + INSIDE)
         wiring.connect(m, candidates.o, wiring.flipped(self.candidate))
         wiring.connect(m, pending.o, wiring.flipped(self.pending))
@@ -176,7 +182,6 @@ class CandidateSelection(wiring.Component):
         m.d.comb += [
             picked.eq(step & corner.corner & verdict.keep & allowed),
             candidates.i.valid.eq(picked),
-            candidates.i.payload.eq(self.surfaces.payload),
             pending.i.valid.eq(picked | ending | closing),
             pending.i.payload.x.eq(place[0]),
             pending.i.payload.y.eq(place[1]),
@@ -184,6 +189,16 @@ class CandidateSelection(wiring.Component):
             pending.i.payload.textured.eq(verdict.textured),
             pending.i.payload.end.eq(ending),
         ]
+        candidate = candidates.i.payload
+        if self._by_pixels:
+            m.d.comb += [
+                candidate.surface.eq(self.surfaces.payload),
+                candidate.place.x.eq(x),
+                self.picked.eq(picked),
+            ]
+            m.d.comb += candidate.place.row.eq(self._number_rows(m, step))
+        else:
+            m.d.comb += candidate.eq(self.surfaces.payload)
         probe(self, candidates=candidates, pending=pending, room=room, x=x, y=y, ending=ending)
         return m
 
@@ -195,6 +210,15 @@ class CandidateSelection(wiring.Component):
         texture = self.textures.payload.data
         given = "response" in texture.shape().members
         return _Verdict(texture.textured, texture.keep, texture.response if given else response)
+
+    def _number_rows(self, m: Module, step: Signal) -> Signal:
+        """The row of pixels a margin above the window's centre, as the pixel store numbers it."""
+        tags, left_out = self.corners.payload, 2 * self._parameters.algorithm.margin
+        row = Signal.like(self.row)
+        with m.If(step & tags.eol):
+            m.d.sync += row.eq(row + Mux(tags.eof, left_out + 1, 1))
+        m.d.comb += self.row.eq(row)
+        return row
 
     def _largest(self, m: Module, step: Signal) -> None:
         first, response = Signal(init=1), self.corners.payload.data.response

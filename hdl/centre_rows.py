@@ -11,7 +11,7 @@ from amaranth.lib.wiring import In, Out
 from golden.parameters import Parameters
 from hdl.parts.delay_line import DelayLine
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
-from hdl.sample import response_layout, responses, sample_layout
+from hdl.sample import response_layout, responses
 
 
 def centre_size(parameters: Parameters) -> int:
@@ -30,7 +30,7 @@ class CentreRows(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(sample_layout(parameters), size)``.
+        Stream of ``Columns(response_layout(parameters), size)``.
     o
         Stream of ``Columns(response_layout(parameters), 3)``, rows size - 3 positions shorter.
     """
@@ -41,7 +41,7 @@ class CentreRows(wiring.Component):
         self._size = parameters.algorithm.window_size
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(sample_layout(parameters), self._size))),
+                "i": In(stream.Signature(Columns(response_layout(parameters), self._size))),
                 "o": Out(stream.Signature(Columns(response_layout(parameters), 3))),
             }
         )

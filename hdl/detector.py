@@ -132,12 +132,13 @@ class Detector(wiring.Component):
 
         Where cells choose, their last two rows come out, too.
         """
-        subpixel, selection = self._records.subpixel, self._records.cell_selection
-        each, cells = subpixel.interval, 0
+        refinement, selection = self._records.refinement, self._records.cell_selection
+        each, cells = refinement.interval, 0
         if selection:
             each = max(each, selection.insertion.clocks)
             cells = 2 * selection.readout.clocks + selection.insertion.clocks
-        return (self._parameters.queue_depth + 1) * each + subpixel.latency + cells
+        waiting = self._parameters.queue_depth + 1 + refinement.inside
+        return waiting * each + refinement.latency + cells
 
     def frame_latency(self, width: int) -> int:
         """Clocks from a frame's last pixel to its end-of-frame record, for either buffering.

@@ -1,30 +1,36 @@
-"""Which block finds the equations for a candidate's offset, by the fit."""
+"""Layouts of what is solved for a candidate's offset, by the fit."""
 
 from __future__ import annotations
 
 from amaranth.lib import data
 
-from golden.algorithm import Fit
 from golden.parameters import Parameters
-from hdl.derivatives import layout
-from hdl.gradient_step import GradientStep
+from hdl import normal_equations
+from hdl.build import Build
+from hdl.derivatives import Formats, layout
+from hdl.step_layouts import pixel_place_layout, reads_pixels
 from hdl.surface import SurfaceFit
-
-EquationsBlock = type[SurfaceFit] | type[GradientStep]
-
-FITS: dict[Fit, EquationsBlock] = {"nine": SurfaceFit, "six": SurfaceFit, "gradient": GradientStep}
-"""The block and ``golden.subpixel.FITS`` hold all else that depends on the fit."""
-
-
-def equations_block(parameters: Parameters) -> EquationsBlock:
-    """The block of this fit. Raises ``ValueError`` for one that only the golden model has."""
-    fit = parameters.algorithm.fit
-    if fit not in FITS:
-        raise ValueError(f"fit is {fit!r}; allowed in hardware: {', '.join(FITS)}")
-    return FITS[fit]
 
 
 def derivatives_layout(parameters: Parameters) -> data.StructLayout:
-    """The five numbers as this fit's block delivers them; see :func:`hdl.derivatives.layout`."""
-    block = equations_block(parameters)
-    return layout(block.formats(parameters), block.unit(parameters))
+    """The five numbers as the surface fit delivers them; see :func:`hdl.derivatives.layout`."""
+    return layout(SurfaceFit.formats(parameters), SurfaceFit.unit(parameters))
+
+
+def candidate_layout(build: Build) -> data.StructLayout:
+    """A candidate's surface and, where pixels are read, its place among them."""
+    surface = derivatives_layout(build)
+    if not reads_pixels(build):
+        return surface
+    return data.StructLayout({"surface": surface, "place": pixel_place_layout(build)})
+
+
+def solved_formats(parameters: Parameters) -> Formats:
+    """Formats of the numbers that are solved; those of a gradient step hold a surface's, too."""
+    return normal_equations.FORMATS if reads_pixels(parameters) else SurfaceFit.formats(parameters)
+
+
+def solved_layout(parameters: Parameters) -> data.StructLayout:
+    """The five numbers as they are solved; see :func:`hdl.derivatives.layout`."""
+    unit = parameters.product_max if reads_pixels(parameters) else SurfaceFit.unit(parameters)
+    return layout(solved_formats(parameters), unit)

@@ -1,77 +1,154 @@
 # amaranth: UnusedElaboratable=no
-"""Gradient step: from the pixels around every window's centre to its normal equations."""
+"""Gradient steps of candidates: from the surface's peak, twice, by the pixels around them."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module
+from amaranth.hdl import Module, Mux, Signal
 from amaranth.lib import stream, wiring
-from amaranth.lib.wiring import In, Out
+from amaranth.lib.wiring import In, Member, Out
 
-from golden.normal_equations import PIXEL_SIZE
-from golden.parameters import Parameters
-from hdl.derivatives import Formats
-from hdl.normal_equations import FORMATS, NormalEquations
-from hdl.parts.stream import Columns
-from hdl.preprocessing import Preprocessing
-from hdl.sample import sample_layout
+from hdl.build import Build
+from hdl.fits import candidate_layout
+from hdl.normal_equations import NormalEquations
+from hdl.parts.queue import Queue
+from hdl.pixel_store import store_members
+from hdl.step_judge import StepJudge
+from hdl.step_layouts import pixel_place_layout, rows_kept, step_layout, under_way_layout
+from hdl.subpixel import Subpixel, offset_layout
+from hdl.window_reader import WindowReader
+
+IN_FLIGHT = 4
+"""Candidates that are worked on at a time: some are solved while another one's window is read."""
+_PLACES = 8
+
+
+def step_members(build: Build) -> dict[str, Member]:
+    """Members beside its streams."""
+    rows = rows_kept(build)
+    of_store = {name: member.flip() for name, member in store_members(build, rows).items()}
+    return {"picked": In(1), "row": In(range(2 * rows)), **of_store}
 
 
 class GradientStep(wiring.Component):
-    """Normal equations of the 9x9 pixels whose last column is the newest one.
+    """Offsets of candidates by two gradient steps (``golden.subpixel.gradient_steps``).
 
-    It takes the place of the surface fit.
+        candidates ┬ surfaces ──────────────────────┐
+                   │    ┌ window reader ─ equations ┴ subpixel ─ judge ─ offsets
+                   │    └──────── steps ─────────────────────────┤
+                   └ places ─────────────────────────────────────┘
+
+    Each candidate goes round three times: its surface is solved, then the equations of its first
+    window, then those of its second one. All keep the order of the candidates. Windows are read one
+    after the other, of several candidates in turn, so that solving takes no time of its own.
 
     Members
     -------
     i
-        Stream of ``Columns(sample_layout(parameters), 9)``, of which it reads the pixels.
+        Stream of ``candidate_layout(build)``.
+    picked, row
+        In this clock there is a new candidate, which will come to ``i``; and the number of
+        the row of pixels a margin above the place at which one can be now.
+    needed
+        The oldest row of pixels that any candidate needs, or will.
+    reading, place, column
+        Those of the pixel store.
     o
-        Stream of derivatives in their :meth:`formats`, one for every column but the first eight of
-        a row.
+        Stream of ``offset_layout("gradient")``.
     """
 
-    reads = "columns"
-
-    def __init__(self, parameters: Parameters) -> None:
-        # always signed central differences, also where the responses use other gradients
-        plain = parameters.changed(gradient="signed", derivative="central")
-        self._gradients = Preprocessing(plain, PIXEL_SIZE)
-        self._equations = NormalEquations(parameters)
-        self.latency = self._gradients.latency + self._equations.latency
+    def __init__(self, build: Build) -> None:
+        self._build = build
+        self.reader = WindowReader(build)
+        self.equations = NormalEquations(build)
+        self.subpixel = Subpixel(build)
+        self.judge = StepJudge(build)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(sample_layout(parameters), PIXEL_SIZE))),
-                "o": Out(self._equations.o.signature),
+                "i": In(stream.Signature(candidate_layout(build))),
+                **step_members(build),
+                "o": Out(stream.Signature(offset_layout("gradient"))),
             }
         )
 
-    @staticmethod
-    def formats(parameters: Parameters) -> Formats:
-        """Formats of the sums, in units of :meth:`unit`."""
-        return FORMATS
+    inside = IN_FLIGHT
 
-    @staticmethod
-    def unit(parameters: Parameters) -> int:
-        """A full product of gradients."""
-        return parameters.product_max
+    @property
+    def interval(self) -> int:
+        """Clocks from one candidate to the next, where many wait.
+
+        The solver takes the equations of a window when it moves on, which it does at its own pace.
+        """
+        pace = self.subpixel.interval
+        return 2 * pace * -(-self.reader.interval // pace)
+
+    @property
+    def latency(self) -> int:
+        """Most clocks from a candidate that finds the unit idle to its offset."""
+        solved = self.subpixel.latency + self.judge.clocks
+        return 3 * (solved + self.subpixel.interval) + 2 * (self.reader.interval + self.equations.latency + 8)
 
     @property
     def memory_bits(self) -> int:
-        return self._equations.memory_bits
+        return self.equations.memory_bits
 
     def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        m.submodules.gradients, m.submodules.equations = self._gradients, self._equations
-        pixels = self._gradients.i
+        m, build = Module(), self._build
+        m.submodules.reader = reader = self.reader
+        m.submodules.equations = equations = self.equations
+        m.submodules.subpixel = subpixel = self.subpixel
+        m.submodules.judge = judge = self.judge
+        m.submodules.steps = steps = Queue(step_layout(build), _PLACES)
+        m.submodules.under_way = under_way = Queue(under_way_layout(build), _PLACES)
+        m.submodules.surfaces = surfaces = Queue(pixel_place_layout(build), _PLACES)
+        for source, sink in (
+            (judge.step, steps.i),
+            (steps.o, reader.i),
+            (reader.under_way, under_way.i),
+            (reader.o, equations.i),
+            (subpixel.o, judge.solution),
+            (under_way.o, judge.under_way),
+            (surfaces.o, judge.surface),
+        ):
+            wiring.connect(m, source, sink)
+        wiring.connect(m, judge.o, wiring.flipped(self.o))
         m.d.comb += [
-            pixels.valid.eq(self.i.valid),
-            self.i.ready.eq(pixels.ready),
-            Cat(pixels.payload.data).eq(Cat(sample.pixel for sample in self.i.payload.data)),
-            pixels.payload.eol.eq(self.i.payload.eol),
-            pixels.payload.eof.eq(self.i.payload.eof),
+            self.reading.eq(reader.reading),
+            self.place.eq(reader.place),
+            reader.column.eq(self.column),
+            judge.by_gradients.eq(subpixel.o_kind),
         ]
-        wiring.connect(m, self._gradients.o, self._equations.i)
-        wiring.connect(m, self._equations.o, wiring.flipped(self.o))
+        self._solve(m, surfaces)
+        self._need(m)
         return m
+
+    def _solve(self, m: Module, surfaces: Queue) -> None:
+        """Equations of windows come first, surfaces of new candidates in between."""
+        equations, subpixel, candidate = self.equations.o, self.subpixel, self.i
+        in_flight, begins, ends = Signal(range(IN_FLIGHT + 1)), Signal(), Signal()
+        free = in_flight != IN_FLIGHT
+        m.d.comb += [
+            equations.ready.eq(subpixel.i.ready),
+            subpixel.kind.eq(equations.valid),
+            subpixel.i.valid.eq(equations.valid | (candidate.valid & free)),
+            candidate.ready.eq(subpixel.i.ready & free & ~equations.valid),
+            begins.eq(candidate.valid & candidate.ready),
+            ends.eq(self.o.valid & self.o.ready),
+            surfaces.i.valid.eq(begins),
+            surfaces.i.payload.eq(candidate.payload.place),
+        ]
+        m.d.sync += in_flight.eq(in_flight + begins - ends)
+        for name, form in self.subpixel.surface_formats._asdict().items():
+            surface = candidate.payload.surface[name] << form.zeros
+            m.d.comb += subpixel.i.payload[name].eq(Mux(equations.valid, equations.payload[name], surface))
+
+    def _need(self, m: Module) -> None:
+        """While any candidate has windows to be read, the row of the first of these is needed."""
+        waiting = Signal(range(2 * self._build.queue_depth))
+        m.d.sync += waiting.eq(waiting + self.picked - self.reader.read)
+        begins = self.reader.under_way
+        with m.If(waiting == 0):
+            m.d.sync += self.needed.eq(self.row)
+        with m.Elif(begins.valid & begins.payload.step.second):
+            m.d.sync += self.needed.eq(begins.payload.step.candidate.row)

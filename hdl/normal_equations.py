@@ -1,199 +1,317 @@
 # amaranth: UnusedElaboratable=no
-"""Normal equations of the gradient step (``golden.normal_equations``): five sums over 7x7."""
+"""Normal equations of a gradient step (``golden.normal_equations``): five sums over a window."""
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from amaranth.hdl import Cat, Module, Signal, Value, signed
+from amaranth.hdl import Cat, Module, Mux, Signal, Value, signed, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.derivatives import Derivatives
-from golden.normal_equations import LARGEST, STEP_SIZE
+from golden.normal_equations import LARGEST, PLACE_BITS, STEP_SIZE
 from golden.parameters import Parameters
 from hdl.derivatives import Format, layout
-from hdl.gradient_squares import GradientSquares
-from hdl.parts.outgoing_column import outgoing_column
-from hdl.parts.stream import Columns, Pipeline, WindowCounter
-from hdl.preprocessing import sizes_layout
+from hdl.parts.arithmetic import magnitude
+from hdl.parts.delay_line import DelayLine
+from hdl.parts.square_table import SquareTable
+from hdl.parts.stream import Pipeline
+from hdl.parts.weight_table import WEIGHT_BITS, Weighting
+from hdl.pixel_store import BANKS
 
-REACH = STEP_SIZE // 2
-_SUM, _MOMENT = Format(0, STEP_SIZE**2), Format(0, LARGEST)
+LANES = 2
+"""Rows of gradients per clock; they need two more rows of pixels."""
+PASSES = -(-STEP_SIZE // LANES)
+"""Passes over the window, from the top; the second lane of the last one is below it."""
+COLUMNS = STEP_SIZE + 2
+"""Columns of pixels of each pass."""
+_REACH = STEP_SIZE // 2
+_SUM, _MOMENT = Format(0, ((STEP_SIZE - 1) << PLACE_BITS) ** 2), Format(0, LARGEST)
 FORMATS = Derivatives(_SUM, _SUM, _SUM, _MOMENT, _MOMENT)
 """Formats of the five sums, in full products."""
-COLUMN_LATENCY = GradientSquares.latency + 4
-"""Look-up, pairs of rows, pairs of pairs, sum over them, C out of A, B and D."""
 
 
-def signed_sizes(parameters: Parameters) -> data.StructLayout:
-    """Sizes of signed gradients and of their difference, as preprocessing delivers them."""
-    return sizes_layout(parameters.changed(gradient="signed"))
+def window_layout(parameters: Parameters) -> data.StructLayout:
+    """A column of a pass, and what it completes.
+
+    ``complete``: a column of gradients. Only where that is set: ``left`` and ``right``, the first
+    and the last of the pass; ``top`` and ``bottom``, that of the first and the last pass; ``x`` and
+    ``y``, with the first one of the window: the weights of the column at the right and the row at
+    the bottom, in units of 1/16.
+    """
+    return data.StructLayout(
+        {
+            "pixels": data.ArrayLayout(unsigned(parameters.pixel_bits), BANKS),
+            **dict.fromkeys(("complete", "left", "right", "top", "bottom"), 1),
+            "x": WEIGHT_BITS,
+            "y": WEIGHT_BITS,
+        }
+    )
 
 
-class _Column(NamedTuple):
-    """Sums of A, B, C, v·B and v·C down one column, with v the row relative to the middle one."""
+class _Tags(NamedTuple):
+    """Which of the columns are where, at some clock of the pipeline."""
 
-    a: Value
-    b: Value
-    c: Value
-    vb: Value
-    vc: Value
+    complete: Value
+    left: Value
+    right: Value
+    top: Value
+    bottom: Value
 
 
 class NormalEquations(wiring.Component):
-    """Sums of A, B, C, A·u + C·v and C·u + B·v over the 7x7 window of which a column is the last.
+    """Sums of A, B, C, A·u + C·v and C·u + B·v over one window after the other, with its weights.
 
-    Squares come from tables, as in the convolution: with a, b and d those of gx, gy and gx - gy, C
-    = (a + b - d) / 2. Each is summed down the column, and so is v times it:
+    The window comes in passes of two rows of gradients. Squares come from tables, and with a, b and
+    d those of gx, gy and gx - gy, C = (a + b - d) / 2. So do products with weights: first by row,
+    of which only the first one of the first pass and of the last pass weighs less than 16; then by
+    column, of which only the first and the last one do.
 
-        clock 2   squares of rows -3 to 3
-        clock 3   sums and differences of rows -k and k
-        clock 4   sums of pairs of these
-        clock 5   their sums S, and V = Σ v·square
-        clock 6   of C: S and V of a + b - d, halved
+    No moment is multiplied: sums are added up again. With Q the sum of A over the columns of the
+    pass before each, and T the sum of B over the passes up to each,
 
-    Along the row the sums follow the columns: what a new column adds is added, what the one seven
-    columns before it added is subtracted. With S the sum of a column's A, the part of x that A
-    makes shrinks by the whole window's S, as each column that stays is one place further to the
-    left:
+        Σ A·u = 4·Σ A - Σ Q          Σ B·v = 4·Σ B - 2·Σ T + Σ B of the second rows
 
-        Σ A          grows by S(new) - S(old)
-        Σ (u·S + V)  grows by 3 S(new) + V(new) + 4 S(old) - V(old) - Σ A, the sum as it was
-
-    and the y from C and B in the same way. That holds across ends of rows too, where windows are
-    not complete and nothing is delivered; so the sums start from 0 at reset and never again.
-    Columns before the first after reset count as 0.
+    where the last pass has no T; and likewise for C. When a window is complete, all stands still
+    until its sums are taken; then they start from 0.
 
     Members
     -------
     i
-        Stream of ``Columns(signed_sizes(parameters), 7)``.
+        Stream of ``window_layout(parameters)``: PASSES times COLUMNS columns for each window, the
+        first two of a pass complete nothing. Behind the last there must be a pause of two clocks or
+        more. Its ready does not depend on its valid.
     o
-        Stream of derivatives in :data:`FORMATS`, one for every column but the first six of a
-        row.
+        Stream of derivatives in :data:`FORMATS`.
     """
 
-    latency = COLUMN_LATENCY + 4
-
     def __init__(self, parameters: Parameters) -> None:
+        bits = parameters.pixel_bits
+        self._bits = bits
         self._layout = layout(FORMATS, parameters.product_max)
-        self._squares = GradientSquares(signed_sizes(parameters), STEP_SIZE)
+        self._squares = [SquareTable(bits), SquareTable(bits), SquareTable(bits + 1)]
+        square, difference = unsigned(2 * bits), unsigned(2 * bits + 2)
+        self._rows = Weighting([square, square, difference], "row")
+        # two rows at most, of which the first one has been weighted
+        sums = [unsigned(shape.width + WEIGHT_BITS + 1) for shape in (square, square, difference)]
+        self._columns = Weighting(sums, "column")
+        self._second_c = Weighting([signed(2 * bits + 1)], "second_c")
+        self._second_b = Weighting([square], "second_b")
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(signed_sizes(parameters), STEP_SIZE))),
+                "i": In(stream.Signature(window_layout(parameters))),
                 "o": Out(stream.Signature(self._layout)),
             }
         )
 
     @property
+    def _pass_bits(self) -> int:
+        """Width of a sum over the columns of a pass, signed."""
+        weights = LANES * (STEP_SIZE - 1) << 2 * PLACE_BITS
+        return (weights * ((1 << self._bits) - 1) ** 2).bit_length() + 1
+
+    @property
     def memory_bits(self) -> int:
-        return self._squares.memory_bits
+        weightings = (self._rows, self._columns, self._second_c, self._second_b)
+        squares = sum(table.memory_bits for table in self._squares)
+        return squares + sum(weighting.memory_bits for weighting in weightings)
+
+    @property
+    def _weighted_rows(self) -> int:
+        """Clocks from a column of pixels to its first row of squares, weighted."""
+        return 2 + SquareTable.latency + self._rows.latency
+
+    @property
+    def _weighted_columns(self) -> int:
+        """Clocks from a column of pixels to its sums, weighted; those of C are a clock later."""
+        return self._weighted_rows + 1 + max(self._columns.latency, self._second_c.latency)
+
+    @property
+    def latency(self) -> int:
+        """Clocks from a window's last column to its sums."""
+        return self._weighted_columns + 4
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        pipe = Pipeline(m, self.i, self.o)
-        step = pipe.valid & pipe.advance
-        window = WindowCounter(m, STEP_SIZE, step=step, eol=self.i.payload.eol)
-        column = self._column(pipe, self._squares.look_up(m, pipe, self.i.payload.data))
-        for name, value in self._along_row(m, pipe, column).items():
-            m.d.comb += self.o.payload[name].eq(value)
-        complete = pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)
-        m.d.comb += self.o.valid.eq(complete)
+        pipe = Pipeline(m, self.i, SimpleNamespace(ready=~self.o.valid))
+        line = _TagLine(pipe, self.i.payload)
+        first, second = self._square(m, pipe, line)
+        self._sum(m, pipe, line, *self._weigh(m, pipe, line, first, second))
         return m
 
-    @staticmethod
-    def _column(pipe: Pipeline, squares: dict[str, list[Value]]) -> _Column:
-        a, va = _sum_and_moment(pipe, squares["a"], "a")
-        b, vb = _sum_and_moment(pipe, squares["b"], "b")
-        d, vd = _sum_and_moment(pipe, squares["d"], "d")
-        return _Column(
-            a=pipe.register(a, "a"),
-            b=pipe.register(b, "b"),
-            # both differences are even
-            c=pipe.register((a + b - d)[1:].as_signed(), "c"),
-            vb=pipe.register(vb, "vb"),
-            vc=pipe.register((va + vb - vd)[1:].as_signed(), "vc"),
-        )
+    def _square(self, m: Module, pipe: Pipeline, line: _TagLine) -> tuple[list[Value], list[Value]]:
+        """a, b and d of the first row of gradients; of the second, when these are weighted."""
+        newest = self.i.payload.pixels
+        # the columns before, and before that
+        centre = [pipe.register(newest[k], f"centre_{k}", when=pipe.valid) for k in range(BANKS)]
+        tables, squares = self._squares, []
+        for k, table in enumerate(tables):
+            m.submodules[f"table_{k}"] = table
+            m.d.comb += table.enable.eq(pipe.advance)
+        below = line.at(1).bottom
+        masks = [below & (line.weight_at("y", 1) == 0), below]
+        for lane, masked in enumerate(masks):
+            left = pipe.register(centre[lane + 1], f"left_{lane}", when=pipe.valid)
+            gx = pipe.register(left - newest[lane + 1], f"gx_{lane}")
+            gy = pipe.register(centre[lane] - centre[lane + 2], f"gy_{lane}")
+            difference = (gx - gy)[: self._bits + 2].as_signed()
+            numbers = [
+                _register_or_0(m, pipe, value, masked, f"{name}_{lane}")
+                for name, value in (("gx_size", magnitude(gx)), ("gy_size", magnitude(gy)), ("d", difference))
+            ]
+            if lane:
+                numbers = self._delayed(m, pipe, numbers)
+            own = tables[lane]
+            m.d.comb += [
+                own.x[0].eq(numbers[0]),
+                own.x[1].eq(numbers[1]),
+                tables[-1].x[lane].eq(magnitude(numbers[2])),
+            ]
+            squares.append([Value.cast(v) for v in (own.square[0], own.square[1], tables[-1].square[lane])])
+        return squares[0], squares[1]
 
-    def _along_row(self, m: Module, pipe: Pipeline, column: _Column) -> dict[str, Value]:
-        """The five sums over the window. The minus of xy is in the order of its differences."""
-        width = {name: field.width for name, field in self._layout}
-        beats = [pipe.delay(pipe.valid, COLUMN_LATENCY, "beat", reset=True)]
-        for k in range(3):
-            beats.append(pipe.register(beats[-1], f"beat_{k}_later", reset=True))
-
-        new = {
-            "a": pipe.register(column.a, "new_a"),
-            "b": pipe.register(column.b, "new_b"),
-            "c": pipe.register(column.c, "new_c"),
-        }
-        enter_x = pipe.register(column.a + (column.a << 1) + column.vc, "enter_x")
-        enter_y = pipe.register(column.c + (column.c << 1) + column.vb, "enter_y")
-        leave = {
-            **new,
-            "x": pipe.register((column.a << 2) - column.vc, "leave_x"),
-            "y": pipe.register((column.c << 2) - column.vb, "leave_y"),
-        }
-        old = self._seven_columns_ago(m, pipe, beats[1], leave)
-        change_x = pipe.register(enter_x + old["x"], "change_x")
-        change_y = pipe.register(enter_y + old["y"], "change_y")
-        changes = {
-            "xx": pipe.register(new["a"] - old["a"], "change_xx"),
-            "yy": pipe.register(new["b"] - old["b"], "change_yy"),
-            "xy": pipe.register(old["c"] - new["c"], "change_xy"),
-        }
-        sums = {
-            name: _running_sum(m, pipe, change, width[name], beats[2], name)
-            for name, change in changes.items()
-        }
-        # the sums as they were before this column
-        moments = {
-            "x": pipe.register((change_x - sums["xx"])[: width["x"]].as_signed(), "moment_x"),
-            "y": pipe.register((change_y + sums["xy"])[: width["y"]].as_signed(), "moment_y"),
-        }
-        return {
-            **{name: pipe.register(value, f"{name}_now") for name, value in sums.items()},
-            **{
-                name: _running_sum(m, pipe, change, width[name], beats[3], name)
-                for name, change in moments.items()
-            },
-        }
-
-    @staticmethod
-    def _seven_columns_ago(
-        m: Module, pipe: Pipeline, beat: Value, values: dict[str, Signal]
-    ) -> dict[str, Value]:
-        """What ``values`` were seven beats before, or 0 before the first of them since reset."""
-        together = Cat(*values.values())
-        old = outgoing_column(m, pipe, together, STEP_SIZE, beat=beat, step=pipe.advance & beat, name="old")
-        parts, at = {}, 0
-        for name, value in values.items():
-            part = old[at : at + len(value)]
-            parts[name] = part.as_signed() if value.shape().signed else part
-            at += len(value)
+    def _delayed(self, m: Module, pipe: Pipeline, numbers: list[Signal]) -> list[Value]:
+        m.submodules.second = late = DelayLine(len(Cat(numbers)), self._rows.latency)
+        m.d.comb += [late.enable.eq(pipe.advance), late.i.eq(Cat(numbers))]
+        parts, at = [], 0
+        for number in numbers:
+            part = late.o[at : at + len(number)]
+            parts.append(part.as_signed() if number.shape().signed else part)
+            at += len(number)
         return parts
 
+    def _weigh(
+        self, m: Module, pipe: Pipeline, line: _TagLine, first: list[Value], second: list[Value]
+    ) -> tuple[list[Value], Value, Value]:
+        """Sums of a, b and d down a pass's column; C of the second row, and B, a clock later."""
+        weight = line.code("y", "top", "bottom", 2 + SquareTable.latency)
+        rows = self._rows.look_up(m, pipe, first, weight)
+        at, end = self._weighted_rows, self._weighted_columns
 
-def _sum_and_moment(pipe: Pipeline, squares: list[Value], name: str) -> tuple[Value, Value]:
-    """Σ square and Σ v·square of rows v = -3 to 3, three clocks later."""
-    middle = pipe.register(squares[REACH], f"{name}_middle")
-    sums, differences = [], []
-    for k in range(1, REACH + 1):
-        above, below = squares[REACH - k], squares[REACH + k]
-        sums.append(pipe.register(above + below, f"{name}_sum_{k}"))
-        differences.append(pipe.register(below - above, f"{name}_difference_{k}"))
-    near = pipe.register(middle + sums[0], f"{name}_near")
-    far = pipe.register(sums[1] + sums[2], f"{name}_far")
-    # d1 + 2·d2 + 3·d3 = (d1 + d3) + 2·(d2 + d3)
-    odd = pipe.register(differences[0] + differences[2], f"{name}_odd")
-    even = pipe.register(differences[1] + differences[2], f"{name}_even")
-    return pipe.register(near + far, f"{name}_sum"), pipe.register(odd + (even << 1), f"{name}_moment")
+        def unless_0(value: Value, clock: int, name: str) -> Signal:
+            """The value at the clock after this one, or 0 where the last column weighs nothing."""
+            masked = line.at(clock).right & (line.weight_at("x", clock) == 0)
+            return _register_or_0(m, pipe, value, masked, name)
+
+        sums = [
+            unless_0(row + (other << PLACE_BITS), at, f"sum_{name}")
+            for name, row, other in zip("abd", rows, second, strict=True)
+        ]
+        a, b, d = second
+        b = unless_0(b, at, "second_b")
+        c = unless_0((a + second[1] - d)[1 : 2 * self._bits + 2].as_signed(), at, "second_c")
+
+        def weighted(part: Weighting, numbers: list[Value], now: int, then: int, name: str) -> list[Value]:
+            """Products at clock ``then`` of numbers at clock ``now``."""
+            begin = then - part.latency
+            late = [pipe.delay(each, begin - now, f"{name}_{k}") for k, each in enumerate(numbers)]
+            return part.look_up(m, pipe, late, line.code("x", "left", "right", begin))
+
+        sums = weighted(self._columns, sums, at + 1, end, "waiting_sum")
+        (c,) = weighted(self._second_c, [c], at + 1, end, "waiting_c")
+        (b,) = weighted(self._second_b, [b], at + 1, end + 1, "waiting_b")
+        return sums, c << PLACE_BITS, b << PLACE_BITS
+
+    def _sum(
+        self, m: Module, pipe: Pipeline, line: _TagLine, column: list[Value], second_c: Value, second_b: Value
+    ) -> None:
+        now = self._weighted_columns
+        taken = self.o.valid & self.o.ready
+
+        def complete(clocks: int) -> Value:
+            return line.at(now + clocks).complete
+
+        width = {name: field.width for name, field in self._layout}
+
+        def total(name: str, bits: int, *changes: tuple[Value, Value], clear: Value = taken) -> Signal:
+            """The sum of each change in those clocks in which it applies."""
+            value = Signal(signed(bits), name=name)
+            for applies, change in changes:
+                with m.If(pipe.advance & applies):
+                    m.d.sync += value.eq(value + change)
+            with m.If(clear):
+                m.d.sync += value.eq(0)
+            return value
+
+        def before(name: str, value: Value, clocks: int) -> Signal:
+            """Sum over the pass's columns before."""
+            over = pipe.advance & line.at(now + clocks).right
+            return total(f"before_{name}", self._pass_bits, (complete(clocks), value), clear=over)
+
+        a, b, d = column
+        c = pipe.register((a + b - d)[1:].as_signed(), "c")
+        xx = total("xx", width["xx"], (complete(0), a))
+        yy = total("yy", width["yy"], (complete(0), b))
+        # the minus of xy is in the order of its difference
+        xy = total("xy", width["xy"], (complete(1), -c))
+        change_x = pipe.register(second_c - before("a", a, 0), "change_x")
+        change_y = pipe.register(second_b - before("c", c, 1), "change_y")
+
+        def passed(clocks: int) -> Value:
+            tags = line.at(now + clocks)
+            return tags.right & ~tags.bottom
+
+        x = total("x", width["x"], (complete(1), change_x), (passed(2), xy << 1))
+        y = total("y", width["y"], (complete(2), change_y), (passed(3), -(yy << 1)))
+        ends = line.at(now + 3)
+        with m.If(taken):
+            m.d.sync += self.o.valid.eq(0)
+        with m.Elif(pipe.advance):
+            m.d.sync += self.o.valid.eq(ends.right & ends.bottom)
+        m.d.comb += [
+            self.o.payload.xx.eq(xx),
+            self.o.payload.yy.eq(yy),
+            self.o.payload.xy.eq(xy),
+            self.o.payload.x.eq(x + (pipe.register(xx - xy, "xx_and_c") << 2)),
+            self.o.payload.y.eq(y + (pipe.register(yy - xy, "yy_and_c") << 2)),
+        ]
 
 
-def _running_sum(m: Module, pipe: Pipeline, change: Value, width: int, beat: Value, name: str) -> Signal:
-    """The sum of all changes since reset, one clock after each."""
-    total = Signal(signed(width), name=f"total_{name}")
-    with m.If(pipe.advance & beat):
-        m.d.sync += total.eq(total + change)
-    return total
+class _TagLine:
+    """Tags and weights of a window beside the pipeline, at any clock of it."""
+
+    def __init__(self, pipe: Pipeline, given: Any) -> None:
+        self._pipe = pipe
+        tags = [pipe.valid & getattr(given, name) for name in _Tags._fields]
+        self._line: list[Value] = [Cat(*tags)]
+        self._given = given
+
+    def at(self, clock: int) -> _Tags:
+        """The tags so many clocks later."""
+        while len(self._line) <= clock:
+            name = f"tags_{len(self._line)}"
+            self._line.append(self._pipe.register(self._line[-1], name, reset=True))
+        return _Tags(*self._line[clock])
+
+    def weight_at(self, axis: str, clock: int) -> Signal:
+        """The weight that the columns at this clock of the pipeline have, from 1 on.
+
+        It is handed on with the first column of a window, and stays until that of the next.
+        """
+        start = self.at(clock - 1)
+        weight = self._given[axis] if clock == 1 else self.weight_at(axis, 1)
+        name = f"{axis}_at_{clock}"
+        if name not in self._pipe.registers:
+            self._pipe.register(weight, name, when=start.left & start.top)
+        return self._pipe.registers[name]
+
+    def code(self, axis: str, first: str, last: str, clock: int) -> Signal:
+        """The weight for tables, of columns that have one of two tags, or 16 of those without.
+
+        Both add up to 16, of which 0 is the code.
+        """
+        tags = self.at(clock - 1)
+        weight = self.weight_at(axis, clock - 1)
+        code = Mux(getattr(tags, first), -weight, Mux(getattr(tags, last), weight, 0))
+        return self._pipe.register(code[:WEIGHT_BITS], f"{axis}_code_{clock}")
+
+
+def _register_or_0(m: Module, pipe: Pipeline, value: Value, masked: Value, name: str) -> Signal:
+    register = Signal(value.shape(), name=name, reset_less=True)
+    with m.If(pipe.advance):
+        m.d.sync += register.eq(value)
+        with m.If(masked):
+            m.d.sync += register.eq(0)
+    return register

@@ -12,7 +12,7 @@ from golden.parameters import Parameters
 from hdl.centre_rows import centre_size
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 from hdl.pixel_filter import binomial
-from hdl.sample import response_layout, responses, sample_layout
+from hdl.sample import response_layout, responses
 
 
 class ResponseFilter(wiring.Component):
@@ -28,7 +28,7 @@ class ResponseFilter(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(sample_layout(parameters), size)``, as high as the algorithm's window.
+        Stream of ``Columns(response_layout(parameters), size)``, as high as the algorithm's window.
     o
         Stream of ``Columns(response_layout(parameters), 2r + 1)``; rows are size - 2r - 1 positions
         shorter.
@@ -40,7 +40,7 @@ class ResponseFilter(wiring.Component):
         self._rows, self._size = centre_size(parameters), parameters.algorithm.window_size
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(sample_layout(parameters), self._size))),
+                "i": In(stream.Signature(Columns(response_layout(parameters), self._size))),
                 "o": Out(stream.Signature(Columns(response_layout(parameters), self._rows))),
             }
         )

@@ -11,7 +11,6 @@ from amaranth.lib.wiring import In, Out
 
 from hdl.adaptation import adapted_layout
 from hdl.build import Build
-from hdl.centre_pixels import CentrePixels
 from hdl.convolution import Convolution
 from hdl.frame_control import FrameControl
 from hdl.parts.circular_buffer import CircularBuffer
@@ -19,23 +18,23 @@ from hdl.parts.nets import chain, connect_by_name
 from hdl.parts.optional import optional
 from hdl.parts.stream import Beat, SkidBuffer
 from hdl.pixel_filter import FILTER_ROWS, PixelFilter
+from hdl.pixel_store import PixelStore, store_members
 from hdl.preprocessing import PIXEL_ROWS, Preprocessing
 from hdl.response import Response
-from hdl.sample import sample_layout
+from hdl.sample import response_layout
+from hdl.step_layouts import reads_pixels, rows_kept
 from hdl.thresholds import Thresholds, settings_layout, settings_members, thresholds_layout
 
 
 class ResponseStage(wiring.Component):
     """Samples out of pixels.
 
-        pixels ─ frame control ─ (buffer 3 ─ pixel filter) ─┐
-            ┌───────────────────────────────────────────────┘
-            └ buffer 7 ┬ preprocessing ─ convolution ─ response ┬ skid ─ thresholds ─ samples
-                       └────────────── centre pixels ───────────┘
+        pixels ─ frame control ─ (pixel store) ─ (buffer 3 ─ pixel filter) ─┐
+            ┌───────────────────────────────────────────────────────────────┘
+            └ buffer 7 ─ preprocessing ─ convolution ─ response ─ skid ─ thresholds ─ samples
 
     There is a pixel filter for each time that pixels are smoothed, with two rows of pixels (lean)
-    of its own. Centre pixels, which are smoothed too, are built where the pixel rides along with
-    its response.
+    of its own; and a pixel store for the gradient step, which reads pixels as they come.
 
     Members
     -------
@@ -44,16 +43,18 @@ class ResponseStage(wiring.Component):
     width, height, and the fields of ``settings_layout(parameters)``
         Size and settings of the next frame, as in :class:`hdl.frame_control.FrameControl`.
     samples
-        Stream of ``Beat(sample_layout(parameters))``; ``Algorithm.response_margin`` is taken away.
+        Stream of ``Beat(response_layout(parameters))``, without ``Algorithm.response_margin``.
     limits
         Stream of ``thresholds_layout(parameters)``, one per frame.
     largest, adapted, adapting
         As in :class:`hdl.thresholds.Thresholds`; the last two with ``budget`` only.
+    needed, reading, place, column
+        With the gradient step only: as in :class:`hdl.pixel_store.PixelStore`.
     """
 
     def __init__(self, parameters: Build) -> None:
         self._parameters = p = parameters
-        pixel, sample = unsigned(p.pixel_bits), sample_layout(p)
+        pixel, sample = unsigned(p.pixel_bits), response_layout(p)
         self.frame_control = FrameControl(p)
         self._filters: dict[str, Any] = {}
         for k in range(p.algorithm.pixel_passes):
@@ -66,8 +67,8 @@ class ResponseStage(wiring.Component):
         self.response = Response(p)
         self.skid = SkidBuffer(Beat(sample))
         self.thresholds = Thresholds(p)
-        beside = sum(block.latency for block in (self.preprocessing, self.convolution, self.response))
-        self._riders = optional("pixel" in sample.members, pixel=CentrePixels(p, beside))
+        kept = rows_kept(p)
+        self._store = optional(reads_pixels(p), **{"pixel store": PixelStore(p, kept)})
         super().__init__(
             {
                 "i": In(stream.Signature(pixel)),
@@ -78,6 +79,7 @@ class ResponseStage(wiring.Component):
                 "limits": Out(stream.Signature(thresholds_layout(p))),
                 "largest": In(p.response_bits),
                 **optional(p.budget, adapted=In(adapted_layout(p)), adapting=In(1)),
+                **optional(reads_pixels(p), **store_members(p, kept)),
             }
         )
 
@@ -86,6 +88,7 @@ class ResponseStage(wiring.Component):
         """Every block on the way of a frame's last pixel, by name, with a ``latency``."""
         return {
             "frame control": self.frame_control,
+            **self._store,
             **self._filters,
             "pixel buffer": self.pixel_buffer,
             "preprocessing": self.preprocessing,
@@ -103,33 +106,13 @@ class ResponseStage(wiring.Component):
         connect_by_name(m, wiring.flipped(self), control)
         for name, _ in settings_layout(self._parameters):
             m.d.comb += control.next_settings[name].eq(getattr(self, str(name)))
-        before = (control, *self._filters.values(), self.pixel_buffer)
+        before = (control, *self._store.values(), *self._filters.values(), self.pixel_buffer)
         chain(m, *before, self.preprocessing, self.convolution, self.response)
-        self._join(m)
-        chain(m, self.skid, thresholds)
+        chain(m, self.response, self.skid, thresholds)
+        for store in self._store.values():
+            connect_by_name(m, wiring.flipped(self), store, names=store_members(self._parameters, 1))
         wiring.connect(m, thresholds.o, wiring.flipped(self.samples))
         wiring.connect(m, control.settings, thresholds.settings)
         wiring.connect(m, thresholds.thresholds, wiring.flipped(self.limits))
         connect_by_name(m, wiring.flipped(self), thresholds, names=("largest", "adapted", "adapting"))
         return m
-
-    def _join(self, m: Module) -> None:
-        """Responses, each with what rides along: the pixel at its centre."""
-        columns, responses, samples = self.pixel_buffer.o, self.response.o, self.skid.i
-        m.d.comb += [
-            samples.valid.eq(responses.valid),
-            responses.ready.eq(samples.ready),
-            samples.payload.data.response.eq(responses.payload.data),
-            samples.payload.eol.eq(responses.payload.eol),
-            samples.payload.eof.eq(responses.payload.eof),
-        ]
-        for name, rider in self._riders.items():
-            m.submodules[f"centre_{name}s"] = rider
-            m.d.comb += [
-                # the blocks from preprocessing to response move together, whenever what follows
-                # them is ready
-                rider.enable.eq(responses.ready),
-                rider.step.eq(columns.valid & columns.ready),
-                rider.i.eq(columns.payload.data[PIXEL_ROWS // 2]),
-                samples.payload.data[name].eq(rider.o),
-            ]

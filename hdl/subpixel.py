@@ -15,8 +15,10 @@ from golden.divider import quotient_bits
 from golden.parameters import Parameters
 from golden.subpixel import FITS, derivative_bits
 from hdl.dividers import DIVIDERS
-from hdl.fits import derivatives_layout, equations_block
+from hdl.fits import solved_formats, solved_layout
 from hdl.parts.arithmetic import add_with_carry
+from hdl.parts.optional import optional
+from hdl.surface import SurfaceFit
 
 
 def offset_layout(fit: Fit = "nine") -> data.StructLayout:
@@ -26,7 +28,7 @@ def offset_layout(fit: Fit = "nine") -> data.StructLayout:
 
 
 class Subpixel(wiring.Component):
-    """Offset of a candidate's corner: the peak of the fitted surface, or the gradient step.
+    """Offset of a candidate's corner: the peak of the fitted surface, or a gradient step.
 
     Three stages, each with a candidate of its own: the derivatives are shifted up until the largest
     is at the top; products of mantissas are added up bit by bit; both quotients are found at once
@@ -43,25 +45,31 @@ class Subpixel(wiring.Component):
     Members
     -------
     i
-        Stream of ``derivatives_layout(parameters)``.
+        Stream of ``solved_layout(parameters)``.
     o
         Stream of ``offset_layout(parameters.algorithm.fit)``.
+    kind, o_kind
+        With the gradient step only: a bit that goes with a candidate, and comes with its offset.
     """
 
     def __init__(self, parameters: Parameters, mantissa_bits: int | None = None) -> None:
-        layout = derivatives_layout(parameters)
+        self.surface_formats = SurfaceFit.formats(parameters)
         self._fit = parameters.algorithm.fit
-        self._formats = equations_block(parameters).formats(parameters)
+        self._formats = solved_formats(parameters)
         golden_fit = FITS[parameters.algorithm.fit]
         self._mantissa_bits = mantissa_bits or golden_fit.mantissa_bits
         self._shifts = max(derivative_bits(parameters) - self._mantissa_bits, 0)
         self._divider = DIVIDERS[parameters.algorithm.divider](self._mantissa_bits, golden_fit.limit)
         super().__init__(
             {
-                "i": In(stream.Signature(layout)),
+                "i": In(stream.Signature(solved_layout(parameters))),
                 "o": Out(stream.Signature(offset_layout(parameters.algorithm.fit))),
+                **optional(golden_fit.by_pixels, kind=In(1), o_kind=Out(1)),
             }
         )
+
+    inside = 0
+    """Candidates that may wait inside, beside those that :attr:`latency` counts."""
 
     @property
     def interval(self) -> int:
@@ -102,6 +110,12 @@ class Subpixel(wiring.Component):
         self._divide(m, move, phase, divided, mantissas, sums)
         with m.If(move & divided):
             m.d.sync += self.o.valid.eq(1)
+        if FITS[self._fit].by_pixels:
+            kinds = [Signal(name=f"kind_{k}", reset_less=True) for k in range(3)]
+            with m.If(move):
+                m.d.sync += Cat(*kinds).eq(Cat(self.kind, *kinds))
+            with m.If(move & divided):
+                m.d.sync += self.o_kind.eq(kinds[-1])
         return m
 
     def _shift(self, m: Module, move: Value, phase: Value) -> Derivatives[Value]:

@@ -10,7 +10,7 @@ from golden.parameters import Parameters
 from hdl.centre_rows import centre_size
 from hdl.corner_detection import Maxima, larger
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
-from hdl.sample import response_layout, responses, sample_layout
+from hdl.sample import response_layout, responses
 
 
 class Suppression(Maxima):
@@ -33,7 +33,7 @@ class Suppression(Maxima):
     Members
     -------
     i
-        Stream of ``Columns(sample_layout(parameters), size)``, as high as the algorithm's window;
+        Stream of ``Columns(response_layout(parameters), size)``, as high as the algorithm's window;
         behind a response filter, of ``Columns(response_layout(parameters), 2r + 1)``.
     t1
         Stream of T1, one per frame, taken with the frame's last column.
@@ -49,7 +49,7 @@ class Suppression(Maxima):
         else:
             self.reads, self._size = "columns", parameters.algorithm.window_size
             self.latency = 5 if self._size > centre_size(parameters) else 3
-            sample = sample_layout(parameters)
+            sample = response_layout(parameters)
         super().__init__(parameters, Columns(sample, self._size))
 
     def elaborate(self, platform: Any) -> Module:

@@ -22,6 +22,11 @@ class SurfaceFit(wiring.Component):
 
     Everything is a sum along columns first, and then of neighbouring columns' sums.
 
+    Raises
+    ------
+    ValueError
+        Only the golden model has this fit.
+
     Members
     -------
     i
@@ -35,7 +40,7 @@ class SurfaceFit(wiring.Component):
     reads = "centres"
 
     def __init__(self, parameters: Parameters) -> None:
-        self._derivatives = SURFACES[parameters.algorithm.fit].derivatives
+        self._derivatives = _surface(parameters).derivatives
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(response_layout(parameters), 3))),
@@ -46,7 +51,7 @@ class SurfaceFit(wiring.Component):
     @staticmethod
     def formats(parameters: Parameters) -> Formats:
         """Formats of the derivatives, in units of :meth:`unit`."""
-        return SURFACES[parameters.algorithm.fit].formats
+        return _surface(parameters).formats
 
     @staticmethod
     def unit(parameters: Parameters) -> int:
@@ -134,11 +139,21 @@ class Surface(NamedTuple):
     derivatives: Callable[[Pipeline, list[Value]], Derivatives[Value]]
 
 
+_NINE = Surface(
+    Derivatives(Format(2, 6), Format(2, 6), Format(0, 6), Format(1, 3), Format(1, 3)), _nine_samples
+)
 SURFACES: dict[Fit, Surface] = {
-    "nine": Surface(
-        Derivatives(Format(2, 6), Format(2, 6), Format(0, 6), Format(1, 3), Format(1, 3)), _nine_samples
-    ),
+    "nine": _NINE,
     "six": Surface(
         Derivatives(Format(1, 5), Format(1, 2), Format(0, 2), Format(0, 1), Format(0, 2)), _six_samples
     ),
+    # its steps begin at the peak of this surface
+    "gradient": _NINE,
 }
+
+
+def _surface(parameters: Parameters) -> Surface:
+    fit = parameters.algorithm.fit
+    if fit not in SURFACES:
+        raise ValueError(f"fit is {fit!r}; allowed in hardware: {', '.join(SURFACES)}")
+    return SURFACES[fit]

@@ -12,7 +12,7 @@ from amaranth.lib.wiring import In, Out
 from golden.formats import WINDOW_SIZE
 from golden.parameters import Parameters
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
-from hdl.sample import responses, sample_layout
+from hdl.sample import response_layout, responses
 from hdl.thresholds import thresholds_layout
 
 
@@ -99,7 +99,7 @@ class TextureFilter(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(sample_layout(parameters), 9)``.
+        Stream of ``Columns(response_layout(parameters), 9)``.
     thresholds
         Stream of ``thresholds_layout(parameters)``, one per frame, taken with the frame's last
         result.
@@ -121,7 +121,7 @@ class TextureFilter(wiring.Component):
         self._regions = parameters.algorithm.patches == "regions"
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(sample_layout(parameters), WINDOW_SIZE))),
+                "i": In(stream.Signature(Columns(response_layout(parameters), WINDOW_SIZE))),
                 "thresholds": In(stream.Signature(thresholds_layout(parameters))),
                 "o": Out(stream.Signature(Beat(self.verdict(parameters)))),
             }

@@ -25,7 +25,7 @@ from hdl.cell_grid import cell_settings_layout
 from hdl.parts.optional import optional
 from hdl.parts.probes import probe
 from hdl.parts.stream import Beat
-from hdl.sample import sample_layout
+from hdl.sample import response_layout
 
 SIGMA2_BITS = SIGMA_BITS + SIGMA2_INTEGER_BITS
 
@@ -89,7 +89,7 @@ class Thresholds(wiring.Component):
     Members
     -------
     i, o
-        Stream of ``Beat(sample_layout(parameters))``, passed on in the same clock. A first beat
+        Stream of ``Beat(response_layout(parameters))``, passed on in the same clock. A first beat
         waits for settings, and until the previous frame's thresholds have been taken.
     settings
         Stream of ``settings_layout(parameters)``, one per frame; taken when the multiplication
@@ -108,7 +108,7 @@ class Thresholds(wiring.Component):
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
-        samples = stream.Signature(Beat(sample_layout(parameters)))
+        samples = stream.Signature(Beat(response_layout(parameters)))
         super().__init__(
             {
                 "i": In(samples),

@@ -15,15 +15,17 @@ from hdl.build import Build
 from hdl.candidate_selection import CandidateSelection, corner_flag_layout, pending_record_layout
 from hdl.centre_rows import CentreRows, centre_size
 from hdl.corner_detection import CornerDetection
-from hdl.fits import derivatives_layout, equations_block
+from hdl.fits import candidate_layout
 from hdl.parts.circular_buffer import CircularBuffer
 from hdl.parts.nets import connect_by_name
 from hdl.parts.optional import optional
 from hdl.parts.stream import Beat
 from hdl.parts.stream_delay import StreamDelay
 from hdl.response_filter import ResponseFilter
-from hdl.sample import sample_layout
+from hdl.sample import response_layout
+from hdl.step_layouts import reads_pixels, rows_kept
 from hdl.suppression import Suppression
+from hdl.surface import SurfaceFit
 from hdl.textures import TEXTURES
 from hdl.thresholds import thresholds_layout
 
@@ -38,15 +40,13 @@ class WindowStage(wiring.Component):
 
         samples ─ buffer N ─┬ texture filter ───────────────── (delay) ┐
                             ├ centre rows ┬ corner detection ─ (delay) ┼ candidate selection
-                            │             └ surface fit ───────────────┤
-                            └ gradient step ───────────────────────────┘
+                            └             └ surface fit ───────────────┘
 
-    N is the side of the algorithm's window. There is a surface fit or a gradient step, not both.
-    With ``response_filter`` the centre rows are smoothed ones; where N is 3, they are the columns
-    themselves. With ``texture="mean"`` an adaptive threshold filters textures, and there may be no
-    texture filter at all. For a neighbourhood larger than 3x3, or with ``budget``, another block
-    detects corners, in columns of N rows. Each block says itself which columns it reads: all N
-    rows, or the centre rows.
+    N is the side of the algorithm's window. With ``response_filter`` the centre rows are smoothed
+    ones; where N is 3, they are the columns themselves. With ``texture="mean"`` an adaptive
+    threshold filters textures, and there may be no texture filter at all. For a neighbourhood
+    larger than 3x3, or with ``budget``, another block detects corners, in columns of N rows. Each
+    block says itself which columns it reads: all N rows, or the centre rows.
 
     The blocks between buffer and candidate selection move in step: all are ready whenever the
     candidate selection is, and for each window all deliver in the same clock; those that take less
@@ -62,13 +62,15 @@ class WindowStage(wiring.Component):
     Members
     -------
     samples
-        Stream of ``Beat(sample_layout(parameters))``.
+        Stream of ``Beat(response_layout(parameters))``.
     limits
         Stream of ``thresholds_layout(parameters)``. A frame's thresholds are taken with its last
         window, when its largest response is known. They never come too late: they are ready soon
         after a frame's first response, and its first window needs two further rows at least.
     candidate, pending, corner_flags, largest
         As in :class:`hdl.candidate_selection.CandidateSelection`; flags with ``video_out`` only.
+    picked, row
+        With the gradient step only: as in :class:`hdl.candidate_selection.CandidateSelection`.
     adapted, adapting, history
         With ``budget`` only: as in :class:`hdl.adaptation.Adaptation`, where ``adapting`` is
         ``busy``.
@@ -76,7 +78,7 @@ class WindowStage(wiring.Component):
 
     def __init__(self, parameters: Build) -> None:
         p = parameters
-        sample, adapted = sample_layout(p), adapted_layout(p)
+        sample, adapted = response_layout(p), adapted_layout(p)
         size = p.algorithm.window_size
         self.response_buffer = CircularBuffer(sample, size, p.max_width, p.buffering, registers=1)
         block = TEXTURES[p.algorithm.texture]
@@ -85,11 +87,11 @@ class WindowStage(wiring.Component):
         self.centre_rows = centres(p) if size > centre_size(p) else None
         wide = p.algorithm.suppression > 1 or p.budget
         self.corner_detection = Suppression(p) if wide else CornerDetection(p)
-        self.equations = equations_block(p)(p)
+        self.surface_fit = SurfaceFit(p)
         self.candidate_selection = CandidateSelection(p)
         self._choosing = p.max_per_cell > 0
         self._adaptation = optional(p.budget, adaptation=Adaptation(p))
-        latest = self._arrival(self.equations)
+        latest = self._arrival(self.surface_fit)
         waits = {"late corners": self.corner_detection}
         for texture_filter in self.texture_filters.values():
             waits["late textures"] = texture_filter
@@ -102,7 +104,8 @@ class WindowStage(wiring.Component):
             {
                 "samples": In(stream.Signature(Beat(sample))),
                 "limits": In(stream.Signature(thresholds_layout(p))),
-                "candidate": Out(stream.Signature(derivatives_layout(p))),
+                "candidate": Out(stream.Signature(candidate_layout(p))),
+                **optional(reads_pixels(p), picked=Out(1), row=Out(range(2 * rows_kept(p)))),
                 "pending": Out(stream.Signature(pending_record_layout(p))),
                 "largest": Out(p.response_bits),
                 **optional(p.video_out, corner_flags=Out(stream.Signature(corner_flag_layout()))),
@@ -134,7 +137,7 @@ class WindowStage(wiring.Component):
     @property
     def _readers(self) -> tuple[Any, ...]:
         """Blocks that read columns or centre rows."""
-        return (*self.texture_filters.values(), self.corner_detection, self.equations)
+        return (*self.texture_filters.values(), self.corner_detection, self.surface_fit)
 
     @property
     def _beside(self) -> dict[str, Any]:
@@ -143,7 +146,7 @@ class WindowStage(wiring.Component):
         return {
             **optional(read, **{"centre rows": self.centre_rows}),
             **self.texture_filters,
-            "equations": self.equations,
+            "surface fit": self.surface_fit,
             **self._delays,
             **self._adaptation,
         }
@@ -154,12 +157,12 @@ class WindowStage(wiring.Component):
             m.submodules[name.replace(" ", "_")] = block
         selection, columns = self.candidate_selection, self.response_buffer.o
         wiring.connect(m, wiring.flipped(self.samples), self.response_buffer.i)
-        m.d.comb += columns.ready.eq(self.equations.i.ready)
+        m.d.comb += columns.ready.eq(self.surface_fit.i.ready)
         centres = columns
         if self.centre_rows is not None:
             centres = self.centre_rows.o
             self._feed(m, self.centre_rows.i, columns)
-            m.d.comb += centres.ready.eq(self.equations.i.ready)
+            m.d.comb += centres.ready.eq(self.surface_fit.i.ready)
         for block in self._readers:
             self._feed(m, block.i, columns if block.reads == "columns" else centres)
             if hasattr(block, "centres"):
@@ -168,7 +171,7 @@ class WindowStage(wiring.Component):
         self._deliver(m, "late corners", self.corner_detection.o, selection.corners)
         for block in self.texture_filters.values():
             self._deliver(m, "late textures", block.o, selection.textures)
-        wiring.connect(m, self.equations.o, selection.surfaces)
+        wiring.connect(m, self.surface_fit.o, selection.surfaces)
         connect_by_name(m, wiring.flipped(self), selection)
         for adaptation in self._adaptation.values():
             self._adapt(m, adaptation)

@@ -131,6 +131,9 @@ class SelectionChecker(Elaboratable):
 NARROW = """
 def derivatives_layout(parameters):
     return data.StructLayout({"dxx": 2})
+
+
+candidate_layout = derivatives_layout
 """
 SELECTION = Claim(
     says="CandidateSelection: pending records and candidates in step, nothing lost, stream rules",
@@ -140,7 +143,7 @@ SELECTION = Claim(
         {
             "INSIDE = 4": "INSIDE = 1",
             "COORDINATE_BITS - OFFSET_BITS": "4",
-            "from hdl.fits import derivatives_layout": NARROW,
+            "from hdl.fits import candidate_layout, derivatives_layout": NARROW,
         },
     ),
     check=SelectionChecker,

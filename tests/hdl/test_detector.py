@@ -43,7 +43,7 @@ mixtures = each(
         "smoothed pixels, windows of 3x3",
         "10-bit pixels",
         "4-bit pixels",
-        "robust with budget, suppression",
+        "gradient step with budget, suppression",
     ),
 )
 STALLS = {
@@ -319,7 +319,7 @@ def test_settings_and_size_are_sampled_with_the_first_pixel_only() -> None:
 
 
 def test_sizes_out_of_range_are_taken_as_the_nearest_allowed() -> None:
-    parameters = MIXTURES["robust with budget, suppression"]
+    parameters = MIXTURES["gradient step with budget, suppression"]
     frames = noisy(parameters, [(15, 15), (64, 64)], 1)
     plain = frame_stimulus(frames, parameters, Stalls())
     wrong = [{"width": 3, "height": 0}, {"width": 127, "height": 100}]

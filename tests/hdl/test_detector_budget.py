@@ -19,7 +19,7 @@ from tests.support.filters import lenient, selective
 BUDGETS = {name: parameters for name, parameters in MIXTURES.items() if parameters.budget}
 # the longest way from the last response to the last window
 BUDGETS["robust banked"] = Build.profile("robust", **SMALL, buffering="banked", budget=True)
-budgets = each("parameters", BUDGETS, quick=("robust with budget, suppression",))
+budgets = each("parameters", BUDGETS, quick=("gradient step with budget, suppression",))
 
 
 @budgets

@@ -69,7 +69,7 @@ def test_stalls_lose_nothing(parameters: Build, stalls: Stalls) -> None:
 @settings(max_examples=25)
 def test_limits_of_cells_and_of_frames(data: st.DataObject) -> None:
     """A limit after the cells, a target before them, changed from frame to frame."""
-    parameters = MIXTURES["robust with budget, suppression"]
+    parameters = MIXTURES["gradient step with budget, suppression"]
     frames = []
     for seed in range(4):
         most, limit, target = (data.draw(st.integers(0, top)) for top in (5, 12, 20))

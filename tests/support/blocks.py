@@ -313,7 +313,7 @@ def run(
     ``clocks``: how many the block needs for a beat.
     """
     slowness = int(1 / ((1 - stalls.inputs) * (1 - stalls.outputs)))
-    quiet = 20 * slowness + 200
+    quiet = 20 * slowness + max(200, 8 * clocks)
     longest = max(len(words) for words in inputs.values())
     most = 8 * clocks * longest * slowness + 10 * quiet + 100_000
     capture = runner.run(Stimulus(inputs, levels or [], stalls), quiet=quiet, max_clocks=most)

@@ -74,8 +74,18 @@ MIXTURES = {
     "3x3 with budget": Build.profile(
         "paper", **SMALL, pixel_filter="twice", texture="none", response_filter="binomial", budget=True
     ),
-    "robust with budget, suppression": Build.profile(
-        "robust", **SMALL, budget=True, suppression=3, max_per_cell=5, min_cell_width=13
+    "gradient step with budget, suppression": Build.profile(
+        "robust",
+        **SMALL,
+        budget=True,
+        suppression=3,
+        fit="gradient",
+        response_filter="none",
+        max_per_cell=5,
+        min_cell_width=13,
+    ),
+    "banked, gradient step, smoothed twice, no texture filter": Build.profile(
+        "robust", **SMALL, buffering="banked", fit="gradient", pixel_filter="twice", texture="none"
     ),
 }
 

@@ -61,12 +61,12 @@ PARTS = {
         "tests/hdl/test_adaptive_threshold.py",
         "reset",
     ),
-    "the running sums take in what was there before reset": Mutation(
-        "hdl/parts/outgoing_column.py",
-        "Mux(filled, line.o, 0)",
-        "Mux(1, line.o, 0)",
-        "tests/hdl/test_normal_equations.py",
-        "reset",
+    "a product with a weight loses its lowest bit": Mutation(
+        "hdl/parts/weight_table.py",
+        "Cat(odd, high)",
+        "Cat(odd, high) ^ 1",
+        "tests/hdl/parts/test_weight_table.py",
+        "amaranth-unstalled",
     ),
     "a queue promises one place too many": Mutation(
         "hdl/parts/queue.py",

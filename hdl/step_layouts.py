@@ -1,0 +1,73 @@
+"""What the parts of the gradient step hand to each other."""
+
+from __future__ import annotations
+
+from amaranth.hdl import signed
+from amaranth.lib import data
+
+from golden.divider import HALF
+from golden.parameters import Parameters
+from golden.subpixel import FITS
+from hdl.build import Build
+
+LIMIT = FITS["gradient"].limit
+CENTRE_BITS = 3
+"""Of the whole pixel in the middle of a window, -2 to 2 from the candidate's."""
+STEP_BITS = 11
+"""Of a place in 1/128 pixel: that pixel, and a step within the limit."""
+SPARE_ROWS = 1
+"""Rows that the input may be ahead of the candidates, beside those that windows need."""
+
+
+def reads_pixels(parameters: Parameters) -> bool:
+    """Does the fit take gradient steps?"""
+    return FITS[parameters.algorithm.fit].by_pixels
+
+
+def rows_kept(build: Build) -> int:
+    """Rows of the pixel store, a power of two.
+
+    When a row of pixels begins, windows are complete down to a margin above it, or with ``banked``
+    buffers some rows more; and a candidate's pixels lie within a margin.
+    """
+    late = 0 if build.buffering == "lean" else 2 + build.algorithm.pixel_passes
+    needed = 2 * build.algorithm.margin + SPARE_ROWS + late
+    return 1 << needed.bit_length()
+
+
+def pixel_place_layout(build: Build) -> data.StructLayout:
+    """Where in the pixel store a candidate lies.
+
+    ``row``: the number of the row a margin above it, before which it needs none; ``x``: its column.
+    """
+    return data.StructLayout({"row": range(2 * rows_kept(build)), "x": range(build.max_width)})
+
+
+def step_layout(build: Build) -> data.StructLayout:
+    """A step that is to be taken.
+
+    ``from_x``, ``from_y``: the place that it starts from; ``second``: it is not the candidate's
+    first step; ``failed``, ``length``: that the first one did, and how far it led.
+    ``surface_x``, ``surface_y``, ``no_surface``: the surface's peak, and that there is none. Places
+    are in 1/128 pixel, relative to the candidate's pixel.
+    """
+    place, peak = signed(STEP_BITS), signed(HALF.bit_length() + 1)
+    return data.StructLayout(
+        {
+            "candidate": pixel_place_layout(build),
+            "from_x": place,
+            "from_y": place,
+            "surface_x": peak,
+            "surface_y": peak,
+            "no_surface": 1,
+            "length": STEP_BITS,
+            "failed": 1,
+            "second": 1,
+        }
+    )
+
+
+def under_way_layout(build: Build) -> data.StructLayout:
+    """A step whose window is being read or whose equations are being solved, and its centre."""
+    centre = signed(CENTRE_BITS)
+    return data.StructLayout({"step": step_layout(build), "centre_x": centre, "centre_y": centre})

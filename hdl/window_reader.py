@@ -1,0 +1,133 @@
+# amaranth: UnusedElaboratable=no
+"""Reads windows of pixels for the gradient step out of the pixel store, column by column."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value, signed, unsigned
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.formats import OFFSET_BITS
+from golden.normal_equations import FARTHEST, PLACE_BITS, STEP_SIZE
+from hdl.build import Build
+from hdl.normal_equations import COLUMNS, LANES, PASSES, window_layout
+from hdl.pixel_store import BANKS, PixelStore, place_layout
+from hdl.step_layouts import CENTRE_BITS, rows_kept, step_layout, under_way_layout
+
+_REACH = STEP_SIZE // 2 + 1
+"""Pixels that a window reads to all sides of the one in its middle."""
+_HALF = 1 << (PLACE_BITS - 1)
+
+
+class WindowReader(wiring.Component):
+    """Sweeps the window of one step after the other, in passes as the normal equations need them.
+
+    A window's place along an axis, in 1/16 pixel, is that of the step's start, rounded and limited.
+    Half a pixel more, it is a whole number of pixels, which is the window's centre, and a fraction,
+    which is the weight of the last row or column.
+
+    Members
+    -------
+    i
+        Stream of ``step_layout(build)``; taken when its sweep begins.
+    under_way
+        Stream of ``under_way_layout(build)``, always ready, one for each sweep that begins.
+    read
+        In this clock the last pixels of a candidate's second window are read.
+    reading, place, column
+        Those of the pixel store.
+    o
+        Stream of ``window_layout(build)``.
+    """
+
+    interval = PASSES * COLUMNS + 3
+    """Clocks from one window to the next."""
+
+    def __init__(self, build: Build) -> None:
+        self._build = build
+        super().__init__(
+            {
+                "i": In(stream.Signature(step_layout(build))),
+                "under_way": Out(stream.Signature(under_way_layout(build), always_ready=True)),
+                "read": Out(1),
+                "reading": Out(1),
+                "place": Out(place_layout(build, rows_kept(build))),
+                "column": In(data.ArrayLayout(unsigned(build.pixel_bits), BANKS)),
+                "o": Out(stream.Signature(window_layout(build))),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        advance = self.o.ready
+        given = self.i.payload
+        placed, running, second = Signal(), Signal(), Signal()
+        x_place, y_place = (Signal(signed(CENTRE_BITS + PLACE_BITS), name=f"{axis}_place") for axis in "xy")
+        first_x = Signal.like(self.place.x)
+        number, column = Signal(range(PASSES)), Signal(range(COLUMNS))
+        right, bottom = column == COLUMNS - 1, number == PASSES - 1
+        begins = Signal()
+        m.d.comb += [
+            begins.eq(advance & placed),
+            self.reading.eq(advance),
+            self.i.ready.eq(begins),
+            self.read.eq(advance & running & right & bottom & second),
+            self.under_way.valid.eq(begins),
+            self.under_way.payload.step.eq(given),
+            self.under_way.payload.centre_x.eq(_centre(x_place)),
+            self.under_way.payload.centre_y.eq(_centre(y_place)),
+        ]
+        start = (given.candidate.x + _centre(x_place) - _REACH)[: len(first_x)]
+        first_row = given.candidate.row + _centre(y_place) + (self._build.algorithm.margin - _REACH)
+        with m.If(advance):
+            m.d.sync += placed.eq(self.i.valid & ~running & ~placed)
+            with m.If(placed):
+                m.d.sync += [
+                    running.eq(1),
+                    second.eq(given.second),
+                    first_x.eq(start),
+                    self.place.x.eq(start),
+                    self.place.row.eq(first_row),
+                ]
+            with m.Elif(running):
+                m.d.sync += [column.eq(Mux(right, 0, column + 1)), self.place.x.eq(self.place.x + 1)]
+                with m.If(right):
+                    m.d.sync += [
+                        self.place.x.eq(first_x),
+                        self.place.row.eq(self.place.row + LANES),
+                        number.eq(Mux(bottom, 0, number + 1)),
+                        running.eq(~bottom),
+                    ]
+            with m.Else():
+                m.d.sync += [x_place.eq(_place(given.from_x)), y_place.eq(_place(given.from_y))]
+        complete = running & (column >= 2)
+        tags = Cat(complete, column == 2, complete & right, complete & (number == 0), complete & bottom)
+        beat = Cat(running, tags)
+        for k in range(PixelStore.read_latency):
+            later = Signal(len(beat), name=f"tags_{k + 1}")
+            with m.If(advance):
+                m.d.sync += later.eq(beat)
+            beat = later
+        window = self.o.payload
+        m.d.comb += [
+            self.o.valid.eq(beat[0]),
+            Cat(window.complete, window.left, window.right, window.top, window.bottom).eq(beat[1:]),
+            window.pixels.eq(self.column),
+            window.x.eq(x_place[:PLACE_BITS]),
+            window.y.eq(y_place[:PLACE_BITS]),
+        ]
+        return m
+
+
+def _place(offset: Value) -> Value:
+    """The window's place for a corner at this offset, plus half a pixel."""
+    shift = OFFSET_BITS - PLACE_BITS
+    rounded = (offset + ((_HALF << shift) + (1 << (shift - 1)))) >> shift
+    low, high = _HALF - FARTHEST, _HALF + FARTHEST
+    return Mux(rounded < low, C(low, signed(8)), Mux(rounded > high, C(high, signed(8)), rounded))
+
+
+def _centre(place: Value) -> Value:
+    return place[PLACE_BITS:].as_signed()
