@@ -104,7 +104,7 @@ def _setting(name: str) -> Callable[[Command], Command]:
 
 _PROFILE = {
     "type": click.Choice(list(PROFILES)),
-    "help": "The algorithm: paper is the paper's, without its misprints; robust is better in measurements.",
+    "help": "The algorithm: robust for tracking and matching, precise for measurement, or paper, the paper's.",
 }
 profile_option = option(MAIN, "--profile", default=DEFAULT_PROFILE, show_default=True, **_PROFILE)
 profiles_option = option(

@@ -191,8 +191,18 @@ PROFILES: dict[str, Algorithm] = {
         divider="serial",
         texture="mean",
     ),
+    "precise": Algorithm(
+        pixel_filter="binomial",
+        gradient="signed",
+        response_filter="binomial",
+        ties="first",
+        fit="gradient",
+        divider="serial",
+        texture="none",
+    ),
 }
 """The algorithms that have a name. ``paper``: as the paper prints it, except for its misprints;
-``robust``: what measurements found to be better.
+``robust``: what measurements found to be better for tracking and matching; ``precise``: the same
+corners, placed for calibration and measurement.
 """
 DEFAULT_PROFILE = "robust"

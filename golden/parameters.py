@@ -99,7 +99,7 @@ class Parameters:
         Parameters
         ----------
         name
-            ``"robust"`` or ``"paper"``, see ``golden.algorithm.PROFILES``.
+            ``"robust"``, ``"precise"`` or ``"paper"``, see ``golden.algorithm.PROFILES``.
         changes
             Fields of these parameters and of the algorithm, by name.
 

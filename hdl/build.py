@@ -10,7 +10,11 @@ from golden.parameters import Parameters
 
 Buffering = Literal["banked", "lean"]
 
-BUILDS: dict[str, dict[str, Any]] = {"paper": {"buffering": "banked"}, "robust": {"buffering": "lean"}}
+BUILDS: dict[str, dict[str, Any]] = {
+    "paper": {"buffering": "banked"},
+    "robust": {"buffering": "lean"},
+    "precise": {"buffering": "lean"},
+}
 """Fields in which a profile differs from the defaults of :class:`Build`."""
 
 

@@ -110,7 +110,7 @@ def test_image(folder: Path, command: str, image: str, parts: list[str]) -> None
         ("--constant", "130051", ["constant is 130051", "allowed", "130050"]),
         ("--floor", "-1", ["floor is -1", "allowed"]),
         ("--reference", "next", ["--reference", "'next' is not one of 'previous', 'constant'"]),
-        ("--profile", "best", ["--profile", "'best' is not one of 'paper', 'robust'"]),
+        ("--profile", "best", ["--profile", "'best' is not one of 'paper', 'robust', 'precise'"]),
         ("--gradient", "odd", ["--gradient", "'odd' is not one of 'absolute', 'signed'"]),
         ("--max-width", "14", ["max_width is 14", "allowed: whole numbers from 15 to 8192"]),
         ("--max-height", "8193", ["max_height is 8193", "allowed: whole numbers from 15 to 8192"]),

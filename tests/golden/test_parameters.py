@@ -228,7 +228,7 @@ def test_profiles() -> None:
     )
     assert Parameters.profile("robust") == robust
     assert Parameters.profile("robust", fit="six", max_width=640) == robust.changed(fit="six", max_width=640)
-    with pytest.raises(ValueError, match=r"^profile is 'fast'; allowed: paper, robust$"):
+    with pytest.raises(ValueError, match=r"^profile is 'fast'; allowed: paper, robust, precise$"):
         Parameters.profile("fast")
     with pytest.raises(ValueError, match=r"^fit is 'ten'; allowed: nine, six, printed, gradient$"):
         Parameters.profile("paper", fit="ten")

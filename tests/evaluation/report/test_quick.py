@@ -23,7 +23,7 @@ def test_quick_study_finds_what_the_page_says(only: tuple[str, ...]) -> None:
     assert result.exit_code == 0, result.output
     found = json.loads(result.stdout)
     accuracy = found["accuracy"]
-    assert set(accuracy) == {"paper", "robust"}
+    assert set(accuracy) == {"paper", "robust", "precise"}
     assert accuracy["robust"]["L"]["median"] <= 0.4
     assert accuracy["robust"]["saddle"]["median"] <= 0.15
     for kind in KINDS:
