@@ -337,6 +337,17 @@ class Bench:
             assert got == value, f"{name} is {got} instead of {value}"
 
 
+def cells(parameters: Parameters) -> dict[str, int]:
+    """Settings of cells at random, sometimes with none; nothing where none can be chosen."""
+    if not parameters.max_per_cell:
+        return {}
+    return {
+        "cell_width": random.randrange(parameters.min_cell_width, 33),
+        "cell_height": random.randrange(8, 33),
+        "per_cell": random.randrange(parameters.max_per_cell + 1),
+    }
+
+
 async def usual(bench: Bench, **changes: int) -> None:
     """A small frame, and thresholds that let many corners pass; every other time, with times."""
     p = bench.parameters

@@ -16,7 +16,7 @@ from golden.formats import OFFSET_BITS
 from golden.output_constructor import COORDINATE_BITS, Records
 from golden.preprocessing import Image
 from golden.video import Packet, VideoSettings
-from tests.benches.axi import Bench, draw
+from tests.benches.axi import Bench, cells, draw
 from tests.benches.common import Dut
 from tests.support.filters import selective
 from tests.support.malformed import Random
@@ -27,13 +27,13 @@ FRAMES = 3
 
 
 def size(name: str, bench: Bench) -> tuple[int, int]:
-    p = bench.parameters
+    p, small = bench.parameters, bench.small
     return {
-        "least": (bench.small, bench.small),
+        "least": (small, small),
         "maximum": (p.max_width, p.max_height),
-        "odd": (23, 17),
-        "tall": (16, p.max_height - 1),
-        "wide": (p.max_width - 1, 16),
+        "odd": (23, small + 2),
+        "tall": (small + 1, p.max_height - 1),
+        "wide": (p.max_width - 1, small + 1),
         "photograph": (p.max_width - 3, p.max_height - 2),
     }[name]
 
@@ -58,7 +58,7 @@ async def matrix(dut: Dut, frame_size: str, idle: float, stall: float) -> None:
     frames = images(frame_size, bench, random)
     height, width = frames[0].shape
     p = bench.parameters
-    settings = Settings.default(p, sigma1=0.02, sigma2=selective(p), report_rejected=True)
+    settings = Settings.default(p, sigma1=0.02, sigma2=selective(p), report_rejected=True, **cells(p))
     await bench.configure(VideoSettings(width, height, settings))
     for image in frames:
         bench.send(image)
@@ -93,7 +93,8 @@ async def unhindered(bench: Bench, packets: list[Packet], width: int, height: in
     assert (np.diff(first) == pixels).all(), f"frames begin after {np.diff(first)} clocks, not {pixels}"
     last = np.array(bench.input.times[pixels - 1 :: pixels])
     ends = np.array(bench.output.times)[np.cumsum([len(packet.records) for packet in packets]) - 1]
-    least = bench.frame_latency(width)
+    # the row of cells that ends with the frame is turned over
+    least = bench.frame_latency(width) + (bench.video.settings.per_cell > 0)
     for packet, latency in zip(packets, ends - last, strict=True):
         assert least <= latency <= least + bench.refinement_latency, (latency, least)
         if not waits(packet, bench, width, height):
@@ -105,6 +106,8 @@ def waits(packet: Packet, bench: Bench, width: int, height: int) -> bool:
     """May corners be under way still when a frame's last pixel comes?"""
     if packet.found < 1 or len(packet.records) < 2:
         return False
+    if bench.video.settings.per_cell:
+        return True
     records = packet.records[:-1].astype(np.int64)
     x = (records & ((1 << COORDINATE_BITS) - 1)) >> OFFSET_BITS
     y = (records >> COORDINATE_BITS & ((1 << COORDINATE_BITS) - 1)) >> OFFSET_BITS

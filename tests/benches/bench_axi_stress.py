@@ -16,7 +16,7 @@ from cocotbext.axi import AxiResp
 
 from golden import Settings
 from golden.video import NO_LIMIT, Event, VideoSettings
-from tests.benches.axi import Bench, draw
+from tests.benches.axi import Bench, cells, draw
 from tests.benches.bench_axi_registers import READ_ONLY
 from tests.benches.common import Dut
 from tests.support.filters import lenient, selective
@@ -98,7 +98,7 @@ class Traffic:
         self.count["writes"] += 1
 
     async def _refused(self) -> None:
-        address = random.choice((*READ_ONLY, 0x54, 0x58, 0xFC))
+        address = random.choice((*READ_ONLY, 0x54, 0x70, 0xFC))
         await self._bench.registers.write(address, random.getrandbits(32), AxiResp.SLVERR)
         self.count["refused writes"] += 1
 
@@ -140,6 +140,7 @@ async def stress(dut: Dut) -> None:
             sigma2=float(random_.choice([selective(p) / 2, selective(p), lenient(p)])),
             reference=str(random_.choice(["previous", "constant"])),
             report_rejected=bool(random_.integers(2)),
+            **cells(p),
         )
         most = int(random_.choice([NO_LIMIT, NO_LIMIT, NO_LIMIT, 0, 3]))
         limits = {"max_records": most, "send_time": bool(random_.integers(2))}
