@@ -118,7 +118,8 @@ class CellInsertion(wiring.Component):
         m.d.comb += [
             self.i.ready.eq(put),
             self.scan.eq(start | fetching | compare),
-            self.write_record.en.eq((put | (compare & weaker)) & ~beyond),
+            # one that is not weaker is written, too: over this place the new one comes next
+            self.write_record.en.eq((put | compare) & ~beyond),
             self.write_record.addr.rank.eq(target),
             self.write_record.addr.row.eq(self.row),
             self.write_record.addr.column.eq(cell.column),
