@@ -37,8 +37,16 @@ BUILDS = {
         video_out=True,
         **SMALL,
     ),
+    "precise-lean": Build.profile("precise", **SMALL),
+    "precise-banked-video": Build.profile("precise", buffering="banked", video_out=True, **ODD),
     "robust-budget": Build.profile(
-        "robust", budget=True, suppression=2, max_per_cell=5, min_cell_width=10, **SMALL
+        "robust",
+        response_filter="none",
+        budget=True,
+        suppression=2,
+        max_per_cell=5,
+        min_cell_width=10,
+        **SMALL,
     ),
     "mixture": Build.profile(
         "paper",

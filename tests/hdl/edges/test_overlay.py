@@ -37,7 +37,13 @@ BUILDS = {
     "banked": Build.profile("paper", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
     "lean": Build.profile("robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True),
     "budget": Build.profile(
-        "robust", max_width=MAX_WIDTH, max_height=MAX_HEIGHT, video_out=True, budget=True, suppression=2
+        "robust",
+        response_filter="none",
+        max_width=MAX_WIDTH,
+        max_height=MAX_HEIGHT,
+        video_out=True,
+        budget=True,
+        suppression=2,
     ),
 }
 builds = each("parameters", BUILDS, quick=("lean",))

@@ -32,7 +32,13 @@ BUILDS = {
     for buffering in ("banked", "lean")
 } | {
     "robust-budget": Build.profile(
-        "robust", budget=True, suppression=2, max_per_cell=2, max_width=MAX_WIDTH, max_height=MAX_HEIGHT
+        "robust",
+        response_filter="none",
+        budget=True,
+        suppression=2,
+        max_per_cell=2,
+        max_width=MAX_WIDTH,
+        max_height=MAX_HEIGHT,
     ),
     "paper-cells": Build.profile("paper", max_per_cell=3, max_width=MAX_WIDTH, max_height=MAX_HEIGHT),
     "paper-budget": Build.profile("paper", budget=True, max_width=MAX_WIDTH, max_height=MAX_HEIGHT),
