@@ -23,13 +23,13 @@ DIGIT_ADDRESS_BITS = 3
 class TableDivider(wiring.Component):
     """Quotients as ``golden.table_divider.divide_by_table`` has them.
 
-    Denominator and numerators are shifted up by four places per clock, and by two at last. Then the
-    digits of the reciprocal come out of the table, one per clock, and both products are added up,
-    from the lowest digit to the highest.
+    Denominator and numerators are shifted up by four places per clock, and by two at last, which
+    for the denominator is done in the address. Then the digits of the reciprocal come out of the
+    table, one per clock, and both products are added up, from the lowest digit to the highest.
 
-        denominator 000001bbbbbbbbbbbbbb ─ 0001bbbb... ─ 01bbbbbbb bbb...   phases 0 to 4
-                                                         └ address, with the phase    5 to 9
-        digit -1, 0, 1, 2                                                             7 to 11
+        denominator 000001bbbbbbbbbbbbbb ─ 0001bbbb... ─ 01bbbbbbb bbb...   phases 0 to 3
+                                                         └ address, with the phase    4 to 8
+        digit -1, 0, 1, 2                                                             6 to 10
         sum = (sum + digit · numerator) / 4                                           7 to 11
 
     Parameters
@@ -47,10 +47,11 @@ class TableDivider(wiring.Component):
     def __init__(self, mantissa_bits: int, limit: int) -> None:
         self._table = table = ReciprocalTable(2 * mantissa_bits, limit)
         self._whole_shifts = (table.bits - 1) // PLACES
-        """Shifts by four places: the last one, by two, follows."""
-        self._first_read = self._whole_shifts + 1
-        self._first_digit = self._first_read + READ_CLOCKS
-        self.clocks = self._first_digit + table.digits
+        """Shifts by four places: the numerators' last one, by two, follows."""
+        self._first_read = self._whole_shifts
+        # a clock for digit times numerator
+        self._first_sum = self._first_read + READ_CLOCKS + 1
+        self.clocks = self._first_sum + table.digits
         super().__init__(divider_members(mantissa_bits, limit))
 
     @property
@@ -59,24 +60,23 @@ class TableDivider(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        last_shift, shift = Signal(), Signal()
+        last_shift, shift, shift_numerators = Signal(), Signal(), Signal()
         denominator = Signal(self._table.bits, reset_less=True)
+        small = ~denominator[-2:].any()
         m.d.comb += [
             last_shift.eq(self.phase == self._whole_shifts),
-            shift.eq(
-                Mux(
-                    last_shift,
-                    ~denominator[-2:].any(),
-                    (self.phase < self._whole_shifts) & ~denominator[-PLACES:].any(),
-                )
-            ),
+            shift.eq((self.phase < self._whole_shifts) & ~denominator[-PLACES:].any()),
+            shift_numerators.eq(shift | (last_shift & small)),
         ]
         with m.If(self.load):
             m.d.sync += denominator.eq(self.denominator)
         with m.Elif(shift):
-            m.d.sync += denominator.eq(Mux(last_shift, denominator << 2, denominator << PLACES))
-        digit = self._digit(m, denominator[-self._table.address_bits :])
-        reached = [self._quotient(m, axis, shift, last_shift, digit) for axis in "xy"]
+            m.d.sync += denominator.eq(denominator << PLACES)
+        shifted = Mux(small, denominator << 2, denominator)[: self._table.bits]
+        digit = self._digit(m, shifted[-self._table.address_bits :])
+        subtract = Signal(reset_less=True)
+        m.d.sync += subtract.eq(digit.all())
+        reached = [self._quotient(m, axis, shift_numerators, last_shift, digit, subtract) for axis in "xy"]
         with m.If(self.take):
             m.d.sync += self.reached.eq(self.usable & Cat(reached).any())
         return m
@@ -100,7 +100,9 @@ class TableDivider(wiring.Component):
         m.d.sync += digit.eq(read.data)
         return digit
 
-    def _quotient(self, m: Module, axis: str, shift: Value, last_shift: Value, digit: Value) -> Value:
+    def _quotient(
+        self, m: Module, axis: str, shift: Value, last_shift: Value, digit: Value, subtract: Value
+    ) -> Value:
         """Shifts a numerator along, adds up the product and rounds it; returns ``reached``."""
         table, given = self._table, self.numerator[axis]
         numerator = Signal(signed(table.numerator_bits), name=f"numerator_{axis}", reset_less=True)
@@ -121,14 +123,17 @@ class TableDivider(wiring.Component):
         # a lowest bit of one half stands for the bits that are not used
         factor = Cat(C(1, 1), used, used[-1])
         doubled = Cat(C(0, 1), factor[:-1])
-        added = Mux(digit[1], Mux(digit[0], ~factor, doubled), Mux(digit[0], factor, 0))
+        added = Signal(signed(table.factor_bits + 1), name=f"added_{axis}", reset_less=True)
+        m.d.sync += added.eq(
+            Mux(digit[1], Mux(digit[0], ~factor, doubled), Mux(digit[0], factor, 0)).as_signed()
+        )
         total = Signal(signed(table.factor_bits), name=f"total_{axis}", reset_less=True)
         adding = Signal(name=f"adding_{axis}")
         with m.If(self.load):
             m.d.sync += total.eq(table.start)
         with m.Elif(adding):
-            m.d.sync += total.eq(add_with_carry(total, added.as_signed(), digit.all())[2:])
-        m.d.sync += adding.eq((self.phase >= self._first_digit - 1) & (self.phase < self.clocks - 1))
+            m.d.sync += total.eq(add_with_carry(total, added, subtract)[2:])
+        m.d.sync += adding.eq((self.phase >= self._first_sum - 1) & (self.phase < self.clocks - 1))
 
         quotient = total[table.product_bits - 2 * table.digits :]
         places = table.limit.bit_length() - 1

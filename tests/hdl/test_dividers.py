@@ -185,7 +185,7 @@ def test_by_hand(kind: Divider, name: EngineName) -> None:
 
 
 def test_clocks_and_memory() -> None:
-    """Five shifts, two clocks of the memory, five digits; a bit of eight per clock."""
+    """Four shifts, three clocks to the first sum, five digits; a bit of eight per clock."""
     assert TableDivider(*SURFACE).clocks == 12 and TableDivider(*SURFACE).memory_bits == 8192
     assert TableDivider(*STEP).clocks == 15 and TableDivider(*STEP).memory_bits == 65536
     assert SerialDivider(*SURFACE).clocks == 8 and SerialDivider(*STEP).clocks == 11

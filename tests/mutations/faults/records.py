@@ -61,10 +61,10 @@ RECORDS = {
         "tests/hdl/test_dividers.py",
         "by_hand and amaranth and serial",
     ),
-    "operands are shifted by four places at last": Mutation(
+    "numerators are shifted by four places at last": Mutation(
         "hdl/table_divider.py",
-        "Mux(last_shift, denominator << 2, denominator << PLACES)",
-        "denominator << PLACES",
+        "Mux(last_shift, numerator << 2, numerator << PLACES)",
+        "numerator << PLACES",
         "tests/hdl/test_dividers.py",
         "by_hand and amaranth and table",
     ),
@@ -79,6 +79,13 @@ RECORDS = {
         "hdl/table_divider.py",
         "beyond.eq(_differ(given[table.numerator_bits - 1 :]))",
         "beyond.eq(0)",
+        "tests/hdl/test_dividers.py",
+        "by_hand and amaranth and table",
+    ),
+    "an address does not follow the last shift": Mutation(
+        "hdl/table_divider.py",
+        "Mux(small, denominator << 2, denominator)",
+        "Mux(small, denominator, denominator)",
         "tests/hdl/test_dividers.py",
         "by_hand and amaranth and table",
     ),
