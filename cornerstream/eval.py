@@ -72,7 +72,7 @@ _LEFT_OUT = [name for name, section in SECTIONS.items() if section.not_quick]
     type=GIVEN_PATH,
     multiple=True,
     metavar="FILE",
-    help="A video or a folder of frames, instead of packaged ones: for robustness and ablation; may be given again.",
+    help="A video or a folder of frames, instead of packaged ones: for robustness; may be given again.",
 )
 @click.option(
     "--boards",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from golden.formats import MAX_SUPPRESSION, SMOOTHING_SIZE, WINDOW_SIZE
@@ -180,26 +180,18 @@ class Algorithm:
         return 2 * self.margin + 1
 
 
+_ROBUST = Algorithm(
+    pixel_filter="binomial",
+    gradient="signed",
+    response_filter="binomial",
+    ties="first",
+    divider="serial",
+    texture="none",
+)
 PROFILES: dict[str, Algorithm] = {
     "paper": Algorithm(),
-    "robust": Algorithm(
-        gradient="signed",
-        derivative="sobel",
-        response_filter="binomial",
-        ties="first",
-        fit="gradient",
-        divider="serial",
-        texture="mean",
-    ),
-    "precise": Algorithm(
-        pixel_filter="binomial",
-        gradient="signed",
-        response_filter="binomial",
-        ties="first",
-        fit="gradient",
-        divider="serial",
-        texture="none",
-    ),
+    "robust": _ROBUST,
+    "precise": replace(_ROBUST, fit="gradient"),
 }
 """The algorithms that have a name. ``paper``: as the paper prints it, except for its misprints;
 ``robust``: what measurements found to be better for tracking and matching; ``precise``: the same

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from PIL import Image
 
-from cornerstream import Build, Settings, StreamModel
+from cornerstream import Build, Corners, Parameters, Settings, StreamModel, detect
 from cornerstream.cli import main
 from tests.support.runner import CliRunner
 
@@ -49,20 +50,23 @@ def test_hardware(folder: Path) -> None:
         assert f"│ robust  │ {frame:>5} │ 64x48 │ {image.size:>6,} │        1.000 │ {counts}" in blocks("")[2]
 
 
-def test_corners_are_where_the_text_says() -> None:
-    told = re.search(r"found, within ([\d.]+) pixel", TUTORIAL)
-    assert told
-    rows = [line.split(",") for line in blocks("")[1].splitlines()[1:]]
-    off = [
-        abs(float(value) - edge)
-        for x, y, *_ in rows
-        for value, edge in zip(
-            (x, y), (19.5 if float(x) < 32 else 43.5, 11.5 if float(y) < 24 else 35.5), strict=True
-        )
-    ]
-    assert len(rows) == 4 and max(off) < float(told[1])
+def inside_the_rectangle(corners: Corners) -> NDArray[np.float64]:
+    """How far the corners lie inside the nearest edges, in x and in y."""
+    across, down = corners.x, corners.y
+    return np.concatenate([np.minimum(across - 19.5, 43.5 - across), np.minimum(down - 11.5, 35.5 - down)])
+
+
+def test_corners_are_where_the_text_says(folder: Path) -> None:
+    image = np.asarray(Image.open("square.png"))
+    told = re.search(r"about ([\d.]+) pixels inside", TUTORIAL)
+    measured = re.search(r"where their edges meet, within ([\d.]+) pixel", TUTORIAL)
+    assert told and measured
+    found, stepped = detect(image), detect(image, Parameters.profile("precise"))
+    assert len(found) == len(stepped) == 4
+    assert inside_the_rectangle(found) == pytest.approx([float(told[1])] * 8, abs=0.05)
+    assert np.abs(inside_the_rectangle(stepped)).max() < float(measured[1])
 
 
 def test_python(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     exec(compile(blocks("python")[1], "tutorial.md", "exec"), {})
-    assert capsys.readouterr().out.splitlines()[0] == "19.55 11.55"
+    assert capsys.readouterr().out.splitlines()[0] == "20.56 12.56"

@@ -181,16 +181,14 @@ class Chance(Detector):
 
 WITHOUT = " without filter"
 PLAIN = "ranking by D"
-PLAIN_PARAMETERS = Parameters.profile(
-    "paper", gradient="signed", ties="first", fit="gradient", divider="serial"
-)
+PLAIN_PARAMETERS = Parameters.profile("paper", gradient="signed", ties="first", divider="serial")
 
 
 def detectors(profiles: dict[str, Parameters]) -> list[Detector]:
     """Plain ranking by D, each profile with and without its filter, then OpenCV's, then chance.
 
-    Ranking by D is the paper's detector without a filter, but with signed gradients and the
-    gradient step: everything else in a profile has to be better than this.
+    Ranking by D is the paper's detector without a filter, but with signed gradients: everything
+    else in a profile has to be better than this.
     """
     ours: list[Detector] = [Ours(PLAIN, PLAIN_PARAMETERS, filtered=False)]
     for name, parameters in profiles.items():

@@ -8,7 +8,7 @@ from pathlib import Path
 from evaluation.figures import Figures
 from evaluation.inputs.scenes import KINDS
 from evaluation.inputs.sources import STRUCTURE, TEXTURE
-from evaluation.methods.detectors import MODES, USUAL, WITHOUT
+from evaluation.methods.detectors import MARGIN, MODES, USUAL, WITHOUT
 from evaluation.methods.localisation import OPENCV
 from evaluation.presentation.markdown import markdown, titled
 from evaluation.presentation.modes import FEWEST
@@ -34,6 +34,7 @@ def page(study: Figures) -> str:
         "packages": ", ".join(f"{name} {of}" for name, of in about["packages"].items() if of),
         "summary": markdown(summary) if summary else None,
         "usual": USUAL,
+        "margin": MARGIN,
         "fewest": FEWEST,
     }
     parts = [render(_TEMPLATES, "head.md", known)]

@@ -1,8 +1,7 @@
-"""Gain of each step of profile ``robust`` towards stable corners, at equal numbers of corners.
+"""What each step of profile ``robust`` gains, at equal numbers of corners.
 
-From ranking by D on, one thing changes at a time: the paper's texture filter, Sobel gradients, with
-the response filter, with the adaptive threshold. All corners are placed by the gradient step, so
-the differences are those of the choice.
+From ranking by D, each step alone; then all of them, which is the profile; then the profile with
+one thing that it does without.
 """
 
 from __future__ import annotations
@@ -10,144 +9,147 @@ from __future__ import annotations
 from typing import Any
 
 from evaluation.figures import Figures, Notify
-from evaluation.inputs import views
-from evaluation.inputs.sources import STRUCTURE, TEXTURE, Pair
-from evaluation.methods.detectors import MODES, PLAIN, PLAIN_PARAMETERS, DetectionCache, Detector, Ours
+from evaluation.inputs.sources import Pair
+from evaluation.inputs.views import VIEWS
+from evaluation.methods.detectors import (
+    PLAIN,
+    PLAIN_PARAMETERS,
+    USUAL,
+    DetectionCache,
+    Detector,
+    Mode,
+    Ours,
+)
 from evaluation.methods.grouping import parts_of, take
-from evaluation.methods.tracker import TrackCache
 from evaluation.presentation import plots as style
-from evaluation.presentation.modes import PARTS
+from evaluation.presentation.modes import PARTS, groups_of
 from evaluation.presentation.numbers import figure, number, percent
-from evaluation.presentation.table import Table
-from evaluation.sections import repeatability, robustness
+from evaluation.presentation.table import Strong, Table
+from evaluation.sections import downstream, repeatability
 from evaluation.sections.section import Material, Section
+from golden import Parameters
 
-PAPER_FILTER = "paper's filter"
-SOBEL = "Sobel gradients"
-SMOOTHED = "and response filter"
-ADAPTIVE = "and adaptive threshold"
+PROFILE = "robust"
+ALONE: dict[str, dict[str, str]] = {
+    "smoothed pixels": {"pixel_filter": "binomial"},
+    "response filter": {"response_filter": "binomial"},
+}
+"""The steps of the profile, as changes of ranking by D; all of them together are the profile."""
+CHANGED: dict[str, dict[str, str]] = {
+    "gradient step": {"fit": "gradient"},
+    "pixels smoothed twice": {"pixel_filter": "twice"},
+    "Sobel gradients": {"derivative": "sobel"},
+    "adaptive threshold": {"texture": "mean"},
+}
+"""What the profile does without, as changes of it."""
 
 
 def steps() -> list[Detector]:
-    """Ranking by D, ranking with the paper's filter, and the profile's steps.
-
-    Each of the profile's steps includes those before it.
-    """
-    sobel = PLAIN_PARAMETERS.changed(derivative="sobel")
-    smoothed = sobel.changed(response_filter="binomial")
+    """Ranking by D, and this with each step alone; the profile, and this with each change."""
+    robust = Parameters.profile(PROFILE)
+    alone = [Ours(name, PLAIN_PARAMETERS.changed(**each), filtered=False) for name, each in ALONE.items()]
+    more = [Ours(f"{PROFILE}, {name}", robust.changed(**each)) for name, each in CHANGED.items()]
     return [
         Ours(PLAIN, PLAIN_PARAMETERS, filtered=False),
-        Ours(PAPER_FILTER, PLAIN_PARAMETERS),
-        Ours(SOBEL, sobel, filtered=False),
-        Ours(SMOOTHED, smoothed, filtered=False),
-        Ours(ADAPTIVE, smoothed.changed(texture="mean")),
+        *alone,
+        Ours(PROFILE, robust),
+        *more,
     ]
 
 
-VIEWS = ("shift", "larger, brighter", "noisy")
-"""Views of a photograph that are used: enough to tell steps apart, and a minute less."""
+NUMBERS = (100, 300)
+"""Corners of each view, the strongest."""
 
 
-def chosen(pairs: list[Pair]) -> list[Pair]:
-    """All pairs except rendered ones whose view is not in :data:`VIEWS`."""
-    rendered = {view.name for view in views.VIEWS}
-    return [pair for pair in pairs if pair.name in VIEWS or pair.name not in rendered]
+def ablation(
+    pairs: list[Pair], numbers: tuple[int, ...] = NUMBERS, *, notify: Notify | None = None
+) -> Figures:
+    """``{number: {step: {part: figures}}}``: repeatability, gains, and homographies' errors.
 
-
-def ablation(pairs: list[Pair], tracks_of: TrackCache, *, notify: Notify | None = None) -> Figures:
-    """Repeatability and rho of each step, and what it gains over ranking by D, by class of scene.
-
-    Repeatability over the pairs with a homography, rho over those in the tracker's reach. On each
-    pair all steps have the same number of corners: no more than the one that finds fewest.
+    On each pair all steps have the same number of corners: no more than the one that finds fewest.
+    Gains are those over ranking by D and over the profile.
     """
-    detectors, mode, cache = steps(), MODES[0], DetectionCache()
-    warped = [pair for pair in pairs if pair.homography is not None]
-    found = repeatability.scores(warped, detectors, mode, cache)
-    tracked: dict[str, list[robustness.Score]] = {detector.name: [] for detector in detectors}
-    near = robustness.trackable(pairs)
-    for done, pair in enumerate(near, start=1):
-        tracks = tracks_of.tracks(pair.first, pair.second)
-        for name, points in robustness.corners_of(pair, detectors, mode, cache).items():
-            tracked[name].append(robustness.score(pair, points, tracks))
+    detectors, cache = steps(), DetectionCache()
+    found: Figures = {}
+    for done, count in enumerate(numbers, start=1):
+        mode = Mode(f"{count} corners", USUAL, equal=True, number=count)
+        scores = repeatability.scores(pairs, detectors, mode, cache)
+        found[str(count)] = {name: _by_part(pairs, each, scores) for name, each in scores.items()}
         if notify:
             notify(done)
-    return {
-        "pairs": len(warped),
-        "tracked_pairs": len(near),
-        "scenes": sorted({pair.scene for pair in pairs}),
-        "steps": {
-            detector.name: {
-                "repeatability": _repeatability(warped, found[detector.name], found[PLAIN]),
-                "rho": _rho(near, tracked[detector.name], tracked[PLAIN]),
-            }
-            for detector in detectors
-        },
-    }
+    _add_homographies(found, pairs, detectors, numbers)
+    return {"pairs": len(pairs), "scenes": sorted({pair.scene for pair in pairs}), "numbers": found}
 
 
-def _repeatability(
-    pairs: list[Pair], found: list[repeatability.Score], base: list[repeatability.Score]
+def _by_part(
+    pairs: list[Pair], found: list[repeatability.Score], scores: dict[str, list[repeatability.Score]]
 ) -> Figures:
-    return {
-        part: repeatability.summary(take(pairs, chosen), take(found, chosen))
-        | {"gain": repeatability.gain(take(pairs, chosen), take(found, chosen), take(base, chosen))}
-        for part, chosen in parts_of(pairs).items()
-    }
+    results: Figures = {}
+    for part, chosen in parts_of(pairs).items():
+        some, ours = take(pairs, chosen), take(found, chosen)
+        results[part] = repeatability.summary(some, ours)
+        for base in (PLAIN, PROFILE):
+            results[part][f"gain over {base}"] = repeatability.gain(some, ours, take(scores[base], chosen))
+    return results
 
 
-def _rho(pairs: list[Pair], found: list[robustness.Score], base: list[robustness.Score]) -> Figures:
-    return {
-        part: robustness.summary(take(pairs, chosen), take(found, chosen))
-        | {"gain": robustness.gain(take(pairs, chosen), take(found, chosen), take(base, chosen))}
-        for part, chosen in parts_of(pairs).items()
-    }
-
-
-MEASURES = ("repeatability", "rho")
+def _add_homographies(
+    found: Figures, pairs: list[Pair], detectors: list[Detector], numbers: tuple[int, ...]
+) -> None:
+    """Set ``error``, as the section on homographies measures it, where everything moves."""
+    still = {view.name for view in VIEWS} - set(downstream.MOVED)
+    moving = [pair for pair in pairs if pair.name not in still]
+    entrants = [downstream.Entrant(each.name, each) for each in detectors]
+    for count, by_name in downstream.downstream(moving, entrants, numbers).items():
+        for name, parts in by_name.items():
+            for part, figures in parts.items():
+                found[count][name][part]["error"] = figures["error"]
 
 
 def measure(material: Material) -> Figures:
-    """Videos, some of the rendered views, and the user's pairs."""
-    some = chosen(material.moving)
-    with material.progress("steps of robust", len(robustness.trackable(some))) as advance:
-        return ablation(some, material.tracked, notify=advance)
+    """Rendered views, and the user's pairs; quick: the smaller number of corners."""
+    numbers = NUMBERS[:1] if material.quick else NUMBERS
+    pairs = material.views + material.user.pairs
+    with material.progress("steps of robust", len(numbers)) as advance:
+        return ablation(pairs, numbers, notify=advance)
 
 
 def tables(found: Figures) -> dict[str, Table]:
-    """``steps``: repeatability and rho of each, by class of scene, and the gain."""
-    parts = ("all", TEXTURE, STRUCTURE)
+    """One for each number of corners, under this number."""
+    return {count: _table(count, by_name) for count, by_name in found["numbers"].items()}
+
+
+def _table(count: str, by_name: Figures) -> Table:
+    parts = ["all", *groups_of(by_name)]
     rows = []
-    for name, measures in found["steps"].items():
-        cells = [name, number(measures["repeatability"]["all"]["corners"])]
-        for measure in MEASURES:
-            for part in parts:
-                each = measures[measure].get(part)
-                cells += [f"{figure(each[measure])}, {percent(each['gain'])}" if each else "–"]
+    for name, each in by_name.items():
+        cells = [Strong(name) if name == PROFILE else name, number(each["all"]["corners"])]
+        cells += [figure(each["all"]["repeatability"])]
+        cells += [percent(each[part][f"gain over {PLAIN}"]) for part in parts]
+        cells += [percent(each["all"][f"gain over {PROFILE}"]), figure(each["all"]["error"], 3)]
         rows.append(cells)
-    headings = [f"{measure}: {part}" for measure in MEASURES for part in parts]
-    return {
-        "steps": Table(
-            "Steps of robust, and their gain over ranking by D",
-            ["each with those before it", "corners", *headings],
-            rows,
-        )
-    }
+    headings = ["step", "corners", "repeatability", f"gain over {PLAIN}"]
+    headings += [f"... {part}" for part in parts[1:]]
+    headings += [f"gain over {PROFILE}", "homographies, px"]
+    return Table(f"Steps of {PROFILE}, the {count} strongest corners", headings, rows)
 
 
 def plot(found: Figures) -> bytes:
-    """The gain of each step over ranking by D."""
-    steps = found["steps"]
-    names = [name for name in steps if name != PLAIN]
-    drawn = style.figure(3.2)
-    panels = drawn.subplots(1, 2, sharey=True)
-    for axes, measure in zip(panels, MEASURES, strict=True):
+    """The gain of each step over ranking by D, a panel for each number of corners."""
+    numbers = found["numbers"]
+    names = [name for name in next(iter(numbers.values())) if name != PLAIN]
+    drawn = style.figure(0.3 * len(names) + 1.2)
+    panels = drawn.subplots(1, len(numbers), sharey=True, squeeze=False)[0]
+    for axes, (count, by_name) in zip(panels, numbers.items(), strict=True):
         style.rows(axes, names)
-        for index, part in enumerate(part for part in PARTS if part in steps[PLAIN][measure]):
+        for index, part in enumerate(part for part in PARTS if part in by_name[PLAIN]):
             for row, name in enumerate(names):
-                gain = _in_percent(steps[name][measure][part]["gain"])
-                style.point(axes, row + (index - 1) * 0.22, gain, color=PARTS[part], label=part)
+                gain = _in_percent(by_name[name][part][f"gain over {PLAIN}"])
+                place = row + (index - 1) * 0.22
+                style.point(axes, place, gain, strong=name == PROFILE, color=PARTS[part], label=part)
         axes.axvline(0, color="black", linewidth=1)
-        axes.set_xlabel(f"gain in {measure} over {PLAIN}, %")
+        axes.set_xlabel(f"gain in repeatability over {PLAIN}, %")
+        axes.set_title(f"{count} corners", fontsize=10)
         style.plain(axes)
     style.key(drawn, panels[0])
     return style.plot_file(drawn)
@@ -162,20 +164,25 @@ def _in_percent(gain: Figures) -> Figures:
 
 
 def facts(found: Figures) -> dict[str, Any]:
-    """What all steps together gain on texture."""
-    last = list(found["steps"].values())[-1]
+    """Numbers of corners and photographs, and what the profile gains on each class of scene."""
+    profile = {count: by_name[PROFILE] for count, by_name in found["numbers"].items()}
     return {
-        measure: percent(last[measure].get(TEXTURE, last[measure]["all"])["gain"]) for measure in MEASURES
+        "numbers": list(profile),
+        "gains": [
+            f"{percent(each[part][f'gain over {PLAIN}'])} ({part}, {count} corners)"
+            for count, each in profile.items()
+            for part in groups_of({PROFILE: each})
+        ],
     }
 
 
 SECTION = Section(
     name="ablation",
-    title="What `robust` does about texture",
+    title="What each step of `robust` gains",
     measure=measure,
     tables=tables,
     plots={"ablation.png": plot},
     facts=facts,
-    needs=frozenset({"views", "videos"}),
-    options=frozenset({"images", "pairs", "videos"}),
+    needs=frozenset({"views"}),
+    options=frozenset({"images", "pairs"}),
 )

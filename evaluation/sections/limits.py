@@ -56,12 +56,14 @@ class Found(NamedTuple):
 def on_board(square: int, parameters: Parameters) -> Found:
     """Corners found with the usual settings.
 
-    They are compared with the corners of which a peak can be one of the four pixels around.
+    They are compared with the corners of which a peak can be the first of the four pixels around,
+    which is the one that ``ties="first"`` takes.
     """
     found = detect(board(square), parameters)
     edges = np.arange(square, BOARD_SIDE, square) - 0.5
     margin = parameters.algorithm.margin
-    edges = edges[(edges > margin) & (edges < BOARD_SIDE - 1 - margin)]
+    first = np.floor(edges)
+    edges = edges[(first >= margin) & (first < BOARD_SIDE - margin)]
     off = [np.abs(axis[:, None] - edges).min(axis=1) for axis in (found.x, found.y)]
     return Found(len(edges) ** 2, len(found), float(np.hypot(*off).max(initial=0)))
 

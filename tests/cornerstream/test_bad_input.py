@@ -23,8 +23,8 @@ from tests.support.runner import CliRunner
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A working directory with a good image and several bad ones."""
     Image.fromarray(np.random.default_rng(0).integers(0, 256, (24, 32), np.uint8)).save(tmp_path / "good.png")
-    Image.new("L", (14, 30)).save(tmp_path / "narrow.png")
-    Image.new("L", (30, 14)).save(tmp_path / "low.png")
+    Image.new("L", (12, 30)).save(tmp_path / "narrow.png")
+    Image.new("L", (30, 12)).save(tmp_path / "low.png")
     Image.new("L", (33, 24)).save(tmp_path / "wide.png")
     Image.new("L", (32, 25)).save(tmp_path / "high.png")
     (tmp_path / "deep.png").write_bytes(b"P6 32 24 65535\n" + bytes(32 * 24 * 6))
@@ -73,10 +73,10 @@ def check(result: Result, *parts: str) -> None:
         ("good.png/below.png", ["good.png/below.png cannot be read: Not a directory"]),
         ("cut.png", ["cut.png is damaged", "allowed: a complete image file"]),
         ("deep.png", ["deep.png is 16-bit RGB (PPM)", "allowed: grey of up to 16 bits in PNG, TIFF"]),
-        ("narrow.png", ["narrow.png is 14x30 pixels; allowed: 15x15 up to", "32x24"]),
-        ("low.png", ["low.png is 30x14 pixels; allowed: 15x15 up to", "32x24"]),
-        ("wide.png", ["wide.png is 33x24 pixels; allowed: 15x15 up to", "32x24", "--max-width"]),
-        ("high.png", ["high.png is 32x25 pixels; allowed: 15x15 up to", "32x24"]),
+        ("narrow.png", ["narrow.png is 12x30 pixels; allowed: 13x13 up to", "32x24"]),
+        ("low.png", ["low.png is 30x12 pixels; allowed: 13x13 up to", "32x24"]),
+        ("wide.png", ["wide.png is 33x24 pixels; allowed: 13x13 up to", "32x24", "--max-width"]),
+        ("high.png", ["high.png is 32x25 pixels; allowed: 13x13 up to", "32x24"]),
     ],
 )
 def test_image(folder: Path, command: str, image: str, parts: list[str]) -> None:
@@ -112,8 +112,8 @@ def test_image(folder: Path, command: str, image: str, parts: list[str]) -> None
         ("--reference", "next", ["--reference", "'next' is not one of 'previous', 'constant'"]),
         ("--profile", "best", ["--profile", "'best' is not one of 'paper', 'robust', 'precise'"]),
         ("--gradient", "odd", ["--gradient", "'odd' is not one of 'absolute', 'signed'"]),
-        ("--max-width", "14", ["max_width is 14", "allowed: whole numbers from 15 to 8192"]),
-        ("--max-height", "8193", ["max_height is 8193", "allowed: whole numbers from 15 to 8192"]),
+        ("--max-width", "12", ["max_width is 12", "allowed: whole numbers from 13 to 8192"]),
+        ("--max-height", "8193", ["max_height is 8193", "allowed: whole numbers from 13 to 8192"]),
         ("--output", "good.png/below", ["good.png/below: Not a directory", "allowed: a folder"]),
         ("--output", "good.png", ["good.png: File exists", "allowed: a folder"]),
         ("--colour", "red", ["No such option", "--colour"]),
@@ -132,7 +132,7 @@ def test_sigma2_as_the_weight_of_the_local_mean(folder: Path, value: str) -> Non
     allowed = "allowed with texture 'mean': 0, or 0.125 to 1.875, in eighths"
     for command in (("detect",), ("simulate", "--engine", "amaranth")):
         check(
-            run(*command, "good.png", "--sigma2", value),
+            run(*command, "good.png", "--texture", "mean", "--sigma2", value),
             f"sigma2 is {float(value)}; {allowed}",
         )
     assert listing(folder) == before

@@ -20,8 +20,9 @@ from tests.support.runner import run
 
 WIDTH, HEIGHT = 40, 30
 SIZE = ("--max-width", str(WIDTH), "--max-height", str(HEIGHT))
-BOTH_KINDS = ("--sigma1", "0.05", "--sigma2", "1")
-"""Thresholds at which this image has corners of both kinds."""
+BOTH_KINDS = ("--texture", "mean", "--sigma1", "0.05", "--sigma2", "1")
+"""A filter and thresholds with which this image has corners of both kinds."""
+FILTERED = Parameters.profile("robust", texture="mean")
 SETTINGS = Settings(sigma1=0.05, sigma2=1.0, report_rejected=True)
 
 
@@ -54,7 +55,7 @@ def as_table(corners: Corners) -> list[dict[str, float]]:
 
 def test_detect_writes_the_golden_models_corners(image: np.ndarray) -> None:
     result = run("detect", "grey.png", "-o", "out", *BOTH_KINDS)
-    corners = detect(image, settings=SETTINGS)
+    corners = detect(image, FILTERED, SETTINGS)
     assert table("out/corners.csv") == as_table(corners)
     accepted, rejected = int(corners.accepted.sum()), int((~corners.accepted).sum())
     assert accepted > 0 and rejected > 0
@@ -63,18 +64,18 @@ def test_detect_writes_the_golden_models_corners(image: np.ndarray) -> None:
 
 
 def test_sigma2_that_is_rounded_is_said(image: np.ndarray) -> None:
-    rounded = run("detect", "grey.png", "--sigma2", "0.49", "--json")
+    rounded = run("detect", "grey.png", "--texture", "mean", "--sigma2", "0.49", "--json")
     assert rounded.stderr == "sigma2 is 0.49; used: 0.375, since with texture 'mean' it counts in eighths\n"
-    exact = run("detect", "grey.png", "--sigma2", "0.375", "--json")
+    exact = run("detect", "grey.png", "--texture", "mean", "--sigma2", "0.375", "--json")
     corners, same = (json.loads(result.stdout)["corners"] for result in (rounded, exact))
     assert exact.stderr == "" and corners == same != []
 
 
 def test_accepted_corners_are_kept_apart(image: np.ndarray) -> None:
-    run("detect", "grey.png", "-o", "out", "--min-distance", "8.5", *BOTH_KINDS)
-    found = detect(image, settings=SETTINGS)
-    assert table("out/corners.csv") == as_table(found.apart(8.5))
-    assert 0 < np.count_nonzero(found.apart(8.5).accepted) < np.count_nonzero(found.accepted)
+    run("detect", "grey.png", "-o", "out", "--min-distance", "20", *BOTH_KINDS)
+    found = detect(image, FILTERED, SETTINGS)
+    assert table("out/corners.csv") == as_table(found.apart(20))
+    assert 0 < np.count_nonzero(found.apart(20).accepted) < np.count_nonzero(found.accepted)
 
 
 def test_picture_has_both_colours() -> None:
@@ -98,10 +99,10 @@ def test_detect_as_json(image: np.ndarray) -> None:
 
 @pytest.mark.parametrize("limit", ["max_corners", "target_corners"])
 def test_a_limit_or_a_target_builds_what_it_needs(image: np.ndarray, limit: str) -> None:
-    option = "--" + limit.replace("_", "-")
-    result = run("detect", "grey.png", "--json", "--suppression", "2", "--sigma1", "0.01", option, "3")
+    option, apart = "--" + limit.replace("_", "-"), ("--response-filter", "none", "--suppression", "2")
+    result = run("detect", "grey.png", "--json", *apart, "--sigma1", "0.01", option, "3")
     settings = Settings(sigma1=0.01, report_rejected=True, **{limit: 3})
-    corners = detect(image, Parameters(budget=True).changed(suppression=2), settings)
+    corners = detect(image, Parameters(budget=True).changed(suppression=2, response_filter="none"), settings)
     found = json.loads(result.stdout)["corners"]
     assert [{k: float(v) for k, v in corner.items()} for corner in found] == as_table(corners)
     assert corners.accepted.sum() <= 3 if limit == "max_corners" else len(corners) > 0
@@ -142,7 +143,7 @@ def test_conversion_is_said_in_a_line() -> None:
 @pytest.mark.parametrize("stalls", [[], ["--stall-input", "0.3", "--stall-output", "0.4", "--seed", "9"]])
 def test_simulate(image: np.ndarray, stalls: list[str]) -> None:
     result = run("simulate", "grey.png", "--engine", "amaranth", "-o", "out", *SIZE, *BOTH_KINDS, *stalls)
-    model = StreamModel(Parameters())
+    model = StreamModel(FILTERED)
     corners = [model.process(image, SETTINGS).corners for _ in range(2)][-1]
     assert table("out/corners.csv") == as_table(corners)
     assert Path("out/corners.png").is_file()
@@ -161,7 +162,7 @@ def test_waves_are_written_with_a_signal_list() -> None:
     assert Path("waves/w.vcd").stat().st_size > 0
     assert "i__valid" in Path("waves/w.gtkw").read_text()
     before, written, after, advice = result.stderr.splitlines()
-    assert before == "Waves of 50 clocks will take up to about 0.9 MB (an estimate)"
+    assert before == "Waves of 50 clocks will take up to about 0.3 MB (an estimate)"
     assert "waves/w.vcd, waves/w.gtkw" in written
     assert after == f"Waves: {Path('waves/w.vcd').stat().st_size / 1e6:.1f} MB"
     # the first frame has none before it
@@ -209,13 +210,15 @@ def test_both_profiles_in_one_picture(image: np.ndarray) -> None:
     result = run("detect", "grey.png", "-o", "out", "--profile", "robust", "--profile", "paper", *BOTH_KINDS)
     rows = [line.split("│")[1:-1] for line in result.stdout.splitlines() if line.startswith("│")]
     for name, row in zip(("robust", "paper"), rows, strict=True):
-        corners = detect(image, Parameters.profile(name), SETTINGS)
+        corners = detect(image, Parameters.profile(name, texture="mean"), SETTINGS)
         assert table(f"out/corners-{name}.csv") == as_table(corners)
         accepted = int(corners.accepted.sum())
         assert [cell.strip() for cell in row[:4]] == [
             *(name, f"{WIDTH}x{HEIGHT}", str(accepted), str(len(corners) - accepted))
         ]
-    assert result.stderr == "Written: out/corners-robust.csv, out/corners-paper.csv, out/corners.png\n"
+    written, advice = result.stderr.splitlines()
+    assert written == "Written: out/corners-robust.csv, out/corners-paper.csv, out/corners.png"
+    assert advice.startswith("paper: the texture filter rejects")
     run("detect", "grey.png", "-o", "one", *BOTH_KINDS)
     with Image.open("out/corners.png") as both, Image.open("one/corners.png") as one:
         assert both.width > 1.9 * one.width
@@ -261,9 +264,10 @@ def test_most_corners_rejected_is_said(pixels: np.ndarray) -> None:
 
 
 def test_most_corners_rejected_by_the_local_mean_is_said() -> None:
-    (line,) = run("detect", "grey.png", "--json", "--sigma2", "1.875").stderr.splitlines()
-    assert line == "robust: the texture filter rejects 4 of 6 corners; try a smaller --sigma2"
-    assert run("detect", "grey.png", "--json", "--sigma2", "0.5").stderr == ""
+    filtered = ("detect", "grey.png", "--json", "--texture", "mean", "--sigma2")
+    (line,) = run(*filtered, "1.875").stderr.splitlines()
+    assert line == "robust: the texture filter rejects 3 of 4 corners; try a smaller --sigma2"
+    assert run(*filtered, "0.5").stderr == ""
 
 
 def test_why_there_are_no_corners_is_said() -> None:

@@ -103,7 +103,7 @@ PAIRS = "with --only repeatability or hpatches or robustness or ablation"
         ("eval --page --boards boards", f"--boards is boards, {NO_PAGE}"),
         ("eval --only accuracy --images boards", f"--images is boards, {IDLE}{VIEWS}"),
         ("eval --only accuracy --pairs boards", f"--pairs is boards, {IDLE}{PAIRS}"),
-        ("eval --only repeatability --video a.mp4", f"{IDLE}with --only robustness or ablation"),
+        ("eval --only repeatability --video a.mp4", f"{IDLE}with --only robustness"),
         ("eval --only accuracy --boards boards", f"--boards is boards, {IDLE}with --only chessboards"),
         ("eval --only limits --hpatches boards", f"--hpatches is boards, {IDLE}with --only hpatches"),
         ("eval --board-size 9x6", f"--board-size is 9x6, {IDLE}with --boards"),

@@ -167,7 +167,7 @@ def test_nothing_is_half_written(monkeypatch: pytest.MonkeyPatch, folder: Path) 
     ("options", "message"),
     [
         (("--interface", "stream"), "'stream' is not one of 'axi', 'avalon'"),
-        (("--max-width", "14"), "max_width is 14; allowed: whole numbers from 15"),
+        (("--max-width", "12"), "max_width is 12; allowed: whole numbers from 13"),
         (("--fit", "printed"), "fit is 'printed', which only the golden model has"),
         (("-o", "file"), "file is not a folder"),
         (

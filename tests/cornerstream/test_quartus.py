@@ -143,7 +143,7 @@ def test_nothing_is_half_written(monkeypatch: pytest.MonkeyPatch, folder: Path) 
     [
         (("--clock", "0"), "clock is 0.0; allowed: MHz, more than 0"),
         (("--clock", "fast"), "'fast' is not a valid float"),
-        (("--max-width", "14"), "max_width is 14; allowed: whole numbers from 15"),
+        (("--max-width", "12"), "max_width is 12; allowed: whole numbers from 13"),
         (("--fit", "printed"), "fit is 'printed', which only the golden model has"),
         (("-o", "file"), "file is not a folder"),
     ],

@@ -22,6 +22,7 @@ from golden.adaptation import (
 )
 from golden.video import Event, VideoModel, VideoSettings, framed
 from tests.support.photographs import photograph
+from tests.support.profiles import ADAPTIVE
 
 PAPER = Parameters.profile("paper", budget=True)
 ROBUST = Parameters.profile("robust", budget=True)
@@ -159,10 +160,10 @@ def test_first_frame_and_frames_without_a_target() -> None:
 
 @given(st.integers(0, 60), st.booleans())
 def test_max_corners_keeps_the_first(most: int, rejected: bool) -> None:
-    image = window("grass", 0, 100)
-    settings = Settings.default(ROBUST, sigma1=0.05, sigma2=1.125, report_rejected=rejected)
-    every = detect(image, ROBUST, settings)
-    limited = detect(image, ROBUST, replace(settings, max_corners=most))
+    image, parameters = window("grass", 0, 100), ADAPTIVE.changed(budget=True)
+    settings = Settings.default(parameters, sigma1=0.05, sigma2=1.125, report_rejected=rejected)
+    every = detect(image, parameters, settings)
+    limited = detect(image, parameters, replace(settings, max_corners=most))
     # only accepted corners count; the frame's records end with the last of them
     accepted = np.flatnonzero(every.accepted)
     count = int(accepted[most - 1]) + 1 if 0 < most <= len(accepted) else len(every)
@@ -205,9 +206,11 @@ def test_the_budget_must_be_built() -> None:
 @pytest.mark.parametrize("name", ["camera", "brick", "coins"])
 def test_float_reference(name: str) -> None:
     """The reference takes the largest responses, without a histogram, within the same radius."""
-    # rounded gradients, which the reference does not have, decide which of some corners are among
-    # the largest
-    parameters = Parameters.profile("robust", budget=True, suppression=3, derivative="central")
+    # rounded gradients and pixels, which the reference does not have, decide which of some corners
+    # are among the largest
+    parameters = Parameters.profile(
+        "robust", budget=True, suppression=3, pixel_filter="none", response_filter="none"
+    )
     settings = Settings.default(parameters, target_corners=80)
     image = photograph(name)
     exact = reference_detect(image, parameters, settings)

@@ -14,6 +14,7 @@ from golden import Settings, detect
 from golden.adaptive_threshold import adaptive_threshold, local_level, prominence
 from golden.parameters import Parameters
 from golden.thresholds import thresholds
+from tests.support.profiles import ADAPTIVE
 
 
 def level(total: int) -> NDArray[np.int32]:
@@ -65,7 +66,7 @@ def test_equals_the_formula_in_fractions(seed: int, weight: int, t1: int) -> Non
 @pytest.mark.parametrize("response_filter", ["none", "binomial"])
 def test_a_higher_t1_leaves_the_largest_responses(response_filter: Any, camera: NDArray[np.uint8]) -> None:
     """Records sorted by response begin with those that a budget's threshold would have left."""
-    parameters = Parameters.profile("robust", response_filter=response_filter)
+    parameters = ADAPTIVE.changed(response_filter=response_filter)
     many = detect(camera, parameters, Settings(sigma1=0.01), reference=20000)
     few = detect(camera, parameters, Settings(sigma1=0.1), reference=20000)
     large = many.response > 2000
@@ -75,15 +76,15 @@ def test_a_higher_t1_leaves_the_largest_responses(response_filter: Any, camera: 
 
 def test_rejected_corners_are_reported_with_what_is_left_of_them(camera: NDArray[np.uint8]) -> None:
     settings = Settings(sigma1=0.02, sigma2=1, report_rejected=True)
-    corners = detect(camera, Parameters.profile("robust"), settings, reference=20000)
+    corners = detect(camera, ADAPTIVE, settings, reference=20000)
     accepted = corners.accepted
     assert 0 < accepted.sum() < len(corners)
     assert (corners.response[accepted] > 400).all() and (corners.response[~accepted] <= 400).all()
-    plain = detect(camera, Parameters.profile("robust", texture="patches"), settings, reference=20000)
+    plain = detect(camera, ADAPTIVE.changed(texture="patches"), settings, reference=20000)
     assert (corners.x == plain.x).all() and (corners.response <= plain.response).all()
 
 
 def test_weight_of_nothing_rejects_nothing(camera: NDArray[np.uint8]) -> None:
     settings = Settings(sigma1=0.02, sigma2=0, report_rejected=True)
-    corners = detect(camera, Parameters.profile("robust"), settings)
+    corners = detect(camera, ADAPTIVE, settings)
     assert len(corners) > 100 and corners.accepted.all()

@@ -145,7 +145,7 @@ def offset_bound(samples: NDArray[np.float64]) -> float:
 
 
 PLAIN: dict[str, Any] = {
-    "derivative": "central",
+    **CENTRAL,
     "response_filter": "none",
     "texture": "patches",
     "fit": "nine",

@@ -17,6 +17,7 @@ from golden.options import options
 from golden.parameters import Parameters
 from golden.settings import Settings
 from golden.video import VideoSettings
+from tests.support.profiles import ADAPTIVE
 
 RANGES = {
     "pixel_bits": (4, 10),
@@ -82,10 +83,10 @@ def test_weights_that_the_local_mean_cannot_have(value: float) -> None:
     settings = Settings(sigma2=value)
     settings.check(Parameters.profile("paper"))
     for call in (
-        lambda: settings.check(Parameters.profile("robust")),
-        lambda: detect(np.zeros((20, 20), np.uint8), Parameters.profile("robust"), settings),
-        lambda: StreamModel(Parameters.profile("robust")).process(np.zeros((20, 20), np.uint8), settings),
-        lambda: VideoSettings(20, 20, settings).check(Parameters.profile("robust")),
+        lambda: settings.check(ADAPTIVE),
+        lambda: detect(np.zeros((20, 20), np.uint8), ADAPTIVE, settings),
+        lambda: StreamModel(ADAPTIVE).process(np.zeros((20, 20), np.uint8), settings),
+        lambda: VideoSettings(20, 20, settings).check(ADAPTIVE),
     ):
         with pytest.raises(ValueError) as caught:
             call()
@@ -99,10 +100,8 @@ def test_weights_that_the_local_mean_cannot_have(value: float) -> None:
 )
 def test_what_sigma2_is_rounded_to(value: float, eighths: int, plain: float) -> None:
     settings = Settings(sigma2=value)
-    settings.check(Parameters.profile("robust"))
-    assert (
-        settings.sigma2_used(Parameters.profile("robust")) == eighths / 8 and settings.mean_weight == eighths
-    )
+    settings.check(ADAPTIVE)
+    assert settings.sigma2_used(ADAPTIVE) == eighths / 8 and settings.mean_weight == eighths
     assert settings.sigma2_used(Parameters.profile("paper")) == plain
 
 
@@ -218,13 +217,12 @@ def test_profiles() -> None:
     assert Parameters() == Parameters.profile(DEFAULT_PROFILE) == Parameters.profile("robust")
     robust = Parameters.profile(
         "paper",
+        pixel_filter="binomial",
         gradient="signed",
-        derivative="sobel",
         response_filter="binomial",
         ties="first",
-        fit="gradient",
         divider="serial",
-        texture="mean",
+        texture="none",
     )
     assert Parameters.profile("robust") == robust
     assert Parameters.profile("robust", fit="six", max_width=640) == robust.changed(fit="six", max_width=640)

@@ -16,6 +16,7 @@ from sim.engines import make_engine
 from sim.frames import Frame, SimulationResult, compare, simulate_frames, summarize
 from sim.stimulus import Stalls
 from tests.support.filters import selective
+from tests.support.profiles import ADAPTIVE_OPTIONS as ADAPTIVE
 
 PAPER = Build.profile("paper")
 ROBUST = Build.profile("robust")
@@ -40,7 +41,7 @@ MIXTURES = {
     "paper, gradient step, adaptive threshold": Build.profile(
         "paper", **SMALL, fit="gradient", texture="mean"
     ),
-    "robust, nine samples": Build.profile("robust", **SMALL, fit="nine"),
+    "Sobel gradients, adaptive threshold, gradient step": Build.profile("robust", **SMALL, **ADAPTIVE),
     "robust but for its response filter": Build.profile("robust", **SMALL, response_filter="none"),
     "smoothed pixels, windows of 3x3": Build.profile(
         "paper",
@@ -51,9 +52,7 @@ MIXTURES = {
         ties="first",
         texture="none",
     ),
-    "10-bit pixels": Build.profile(
-        "robust", **SMALL, pixel_bits=10, pixel_filter="binomial", sqrt_bits_per_stage=4
-    ),
+    "10-bit pixels": Build.profile("robust", **SMALL, pixel_bits=10, fit="gradient", sqrt_bits_per_stage=4),
     "4-bit pixels": Build.profile(
         "paper",
         **SMALL,
@@ -77,9 +76,9 @@ MIXTURES = {
     "gradient step with budget, suppression": Build.profile(
         "robust",
         **SMALL,
+        **ADAPTIVE,
         budget=True,
         suppression=3,
-        fit="gradient",
         response_filter="none",
         max_per_cell=5,
         min_cell_width=13,

@@ -9,6 +9,7 @@ import pytest
 from cornerstream.cli import main
 from evaluation.inputs.scenes import KINDS
 from evaluation.methods.detectors import PLAIN
+from golden import PROFILES
 from tests.support.builds import each
 from tests.support.runner import CliRunner
 
@@ -23,11 +24,11 @@ def test_quick_study_finds_what_the_page_says(only: tuple[str, ...]) -> None:
     assert result.exit_code == 0, result.output
     found = json.loads(result.stdout)
     accuracy = found["accuracy"]
-    assert set(accuracy) == {"paper", "robust", "precise"}
-    assert accuracy["robust"]["L"]["median"] <= 0.4
-    assert accuracy["robust"]["saddle"]["median"] <= 0.15
+    assert set(accuracy) == set(PROFILES)
+    assert accuracy["precise"]["L"]["median"] <= 0.3
+    assert accuracy["precise"]["saddle"]["median"] <= 0.1
     for kind in KINDS:
-        assert accuracy["robust"][kind]["median"] < accuracy["paper"][kind]["median"]
+        assert accuracy["precise"][kind]["median"] < accuracy["paper"][kind]["median"]
         assert accuracy["robust"][kind]["detected"]["value"] == 1
     equal = found["repeatability"]["rendered"]["modes"]["equal numbers"]
     means = {name: equal[name]["all"]["repeatability"]["value"] for name in ("paper", PLAIN, "robust")}

@@ -135,5 +135,5 @@ def test_study(camera: NDArray[np.uint8]) -> None:
     assert list(found["fits"]) == [detector.name for detector in by_fit()]
     equal = found["modes"][EQUAL.name]
     assert equal["robust"]["all"]["repeatability"] == {"value": 1, "interval": [1, 1]}
-    assert equal["robust"]["all"]["gain"]["robust" + WITHOUT]["value"] == 0
+    assert equal["paper"]["all"]["gain"]["paper" + WITHOUT]["value"] == 0
     assert set(equal["FAST"]) == {"all", "a class", "other class", "views"}
