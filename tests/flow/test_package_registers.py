@@ -28,7 +28,7 @@ PARAMETERS = Build()
 BUILDS = [
     PARAMETERS,
     Build.profile("robust", max_width=640, max_height=480, pixel_bits=10, autostart=True),
-    Build.profile("robust", response_filter="none", budget=True, suppression=3),
+    Build.profile("robust", response_filter="none", budget=True, suppression=3, max_per_cell=4),
 ]
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "registers.md"
 

@@ -10,7 +10,7 @@ from golden import Parameters, Settings
 from golden.video import Event
 from hdl.build import Build
 from hdl.edges.register import ADDRESS_BITS, Register
-from hdl.edges.register_bank import RegisterBank
+from hdl.edges.register_bank import SIZES, RegisterBank
 from hdl.edges.register_map import IDENTITY, register_map
 from tests.hdl.edges.bench import simulate
 
@@ -21,6 +21,7 @@ BUILDS = {
     "odd": Build.profile(
         "paper", pixel_bits=10, max_width=15, max_height=8192, fit="six", patches="pixels", autostart=True
     ),
+    "cells": Build.profile("robust", budget=True, max_per_cell=9, min_cell_width=17),
 }
 builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys())
 SMALL = Build.profile("paper", max_width=40, max_height=30)
@@ -65,7 +66,11 @@ def test_texts_say_what_was_built() -> None:
     assert smoothed["SIZE"].text.startswith("Frame size, 13x13 to 13x1080.")
     assert "less SIGMA2 times the local level" in robust["SIGMA1"].text
     assert "local level" not in paper["SIGMA1"].text
-    for built, limits in ((paper, "MAX_RECORDS"), (robust, "MAX_RECORDS or BUDGET.max_corners")):
+    for built, limits in (
+        (paper, "MAX_RECORDS"),
+        (robust, "MAX_RECORDS or BUDGET.max_corners"),
+        (registers(BUILDS["cells"]), "MAX_RECORDS, BUDGET.max_corners or CELLS.per_cell"),
+    ):
         (dropped,) = (field for field in built["STATUS"].fields if field.name == "records_dropped")
         assert f"more corners than {limits} allows:" in dropped.text
         assert built["DROPPED"].fields[0].text == f"They are beyond {limits}."
@@ -138,7 +143,7 @@ def test_reset_values(parameters: Parameters) -> None:
 def test_every_writable_bit_can_be_written_byte_by_byte(parameters: Parameters) -> None:
     async def bench(context: Any, dut: RegisterBank, bus: Bus) -> None:
         for register in register_map(parameters):
-            if register.access != "rw" or register.name == "SIZE":
+            if register.access != "rw" or register.name in SIZES:
                 continue
             writable = register.mask & ~(2 if register.name == "CONTROL" else 0)
             before = register.reset & writable
@@ -174,6 +179,30 @@ def test_size_out_of_range_is_refused_and_said() -> None:
         assert bus.read("SIZE") == 15 | 15 << 16 and bus.read("STATUS") == Event.SIZE_CHANGED
 
     with_bank(SMALL, bench)
+
+
+def test_cells_out_of_range_are_refused_and_said() -> None:
+    """A number of 0 is always taken, whatever the sizes beside it."""
+
+    async def bench(context: Any, dut: RegisterBank, bus: Bus) -> None:
+        good = 17 | 128 << 8 | 9 << 16
+        await bus.write("CELLS", good)
+        assert bus.read("CELLS") == good and bus.read("STATUS") == 0
+        assert context.get(dut.control.settings.per_cell) == 9
+        for word, mask in (
+            *((16 | 64 << 8 | 1 << 16, 15), (129 | 64 << 8 | 1 << 16, 15), (64 | 7 << 8 | 1 << 16, 15)),
+            *((64 | 129 << 8 | 1 << 16, 15), (64 | 64 << 8 | 10 << 16, 15), (64 | 64 << 8 | 1 << 16, 7)),
+        ):
+            await bus.write("CELLS", word, mask)
+            assert bus.read("CELLS") == good and bus.read("STATUS") == Event.SIZE_REFUSED
+            await bus.write("STATUS", Event.SIZE_REFUSED)
+        await bus.write("CELLS", 0)
+        assert bus.read("CELLS") == 0 and bus.read("STATUS") == 0
+        context.set(dut.active, 1)
+        await bus.write("CELLS", good)
+        assert bus.read("CELLS") == good and bus.read("STATUS") == 0
+
+    with_bank(BUILDS["cells"], bench)
 
 
 def test_a_write_of_no_byte_changes_nothing() -> None:
