@@ -127,7 +127,7 @@ def _enlarged(greys: NDArray[np.uint8], corners: Corners) -> Pictures.Image:
 
 SQUARES = (2, 3, 4, 5, 6, 8)
 """Sides of squares, in pixels, whose boards are measured."""
-SOFT = (0.5, 1.0, 1.5, 2.0, 2.5)
+SOFT = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 """Blurs of crossings, in pixels."""
 DEGREES = (0, 22, 45)
 FITS: tuple[Fit, ...] = ("gradient", "nine")

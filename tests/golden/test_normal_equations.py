@@ -30,7 +30,7 @@ from golden.subpixel import FITS, Offset, derivative_bits, gradient_steps, peak,
 from tests.support.offsets import exact_offsets, offset_bounds
 from tests.support.photographs import PHOTOGRAPHS, photograph
 
-STEP = Parameters.profile("robust", pixel_filter="binomial", fit="gradient")
+STEP = Parameters.profile("precise")
 Y, X = np.mgrid[-7:8, -7:8]
 FLAT = np.zeros((1, 3, 3), np.int32)
 """Responses without a maximum: the steps start from the pixel."""

@@ -39,6 +39,8 @@ def test_boards(square: int) -> None:
         responses.max(),
     ]
     assert found.found == (0 if square in (2, 4) else found.there) and found.farthest == 0
+    placed = on_board(square, STEP)
+    assert placed.found == (0 if square in (2, 4) else placed.there) and placed.farthest == 0
 
 
 @pytest.mark.parametrize("square", [2, 3, 4, 5, 6, 8])
@@ -55,7 +57,7 @@ def test_picture_is_the_committed_one() -> None:
         assert np.array_equal(committed.convert("RGB"), picture())
 
 
-@pytest.mark.parametrize("blur", [0.5, 1.0, 1.5, 2.0, 2.5])
+@pytest.mark.parametrize("blur", [0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
 def test_soft_corners(blur: float) -> None:
     fits: tuple[Fit, ...] = ("gradient", "nine")
     measured = [wander(blur, degrees, fit) for fit in fits for degrees in (0, 22, 45)]
@@ -63,12 +65,11 @@ def test_soft_corners(blur: float) -> None:
     assert measured == pytest.approx(cells(str(blur))[1:], abs=0.02)
 
 
-def test_gradient_steps_follow_soft_corners_better_than_a_surface() -> None:
+def test_soft_corners_are_better_placed_by_steps_up_to_the_blur_that_the_page_says() -> None:
     for blur in ("0.5", "1.0", "1.5", "2.0", "2.5"):
         _, *found = cells(blur)
-        gradient, nine = found[:3], found[3:]
-        assert max(gradient) < max(nine) < 0.32
-    assert max(cells("2.0")[1:4]) < 0.1
+        assert max(found[:3]) < max(found[3:]) / 2 and max(found[:3]) <= 0.12
+    assert max(cells("3.0")[1:4]) > 0.3
 
 
 @pytest.mark.parametrize(
@@ -83,13 +84,13 @@ def test_corners_of_a_surface_keep_their_distance_from_the_edges(name: str, text
     assert f"between {text}" in TEXT and text.startswith(f"{nearest} and W - {nearest + 1}")
 
 
-@pytest.mark.parametrize(("begins", "there"), [(4, False), (6, True), (7, True)])
+@pytest.mark.parametrize(("begins", "there"), [(5, False), (6, True), (7, True)])
 def test_corners_of_the_gradient_step_may_be_nearer_than_the_margin(begins: int, there: bool) -> None:
     image = np.full((60, 60), 60, np.uint8)
     image[begins:30, begins:30] = 200
     found = detect(image, STEP)
     off = np.hypot(found.x - begins + 0.5, found.y - begins + 0.5).min()
-    assert (off < 0.3) == there
+    assert (off < 0.1) == there
     assert STEP.algorithm.margin - FITS["gradient"].limit / 128 == 3
     assert "between 3 and W - 4 with `precise`" in TEXT
 
