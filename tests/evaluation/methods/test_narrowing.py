@@ -78,5 +78,5 @@ def test_blocks_are_built_for_fewer_bits(monkeypatch: pytest.MonkeyPatch) -> Non
     assert widths[0] == widths[1] + 6
     built.clear()
     points = list(narrowing._response(ROBUST, images, {}, (0, 2)))
-    assert [(point["bits"], point["area"]["le"]) for point in points] == [(17, 4), (15, 4)]
-    assert len(built) == 8 and points[0]["same"]["value"] == 1 > points[1]["same"]["value"]
+    assert [(point["bits"], point["area"]["le"]) for point in points] == [(17, 3), (15, 3)]
+    assert len(built) == 6 and points[0]["same"]["value"] == 1 > points[1]["same"]["value"]
