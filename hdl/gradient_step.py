@@ -138,7 +138,8 @@ class GradientStep(wiring.Component):
             surfaces.i.valid.eq(begins),
             surfaces.i.payload.eq(candidate.payload.place),
         ]
-        m.d.sync += in_flight.eq(in_flight + begins - ends)
+        with m.If(begins ^ ends):
+            m.d.sync += in_flight.eq(in_flight + Mux(begins, 1, -1))
         for name, form in self.subpixel.surface_formats._asdict().items():
             surface = candidate.payload.surface[name] << form.zeros
             m.d.comb += subpixel.i.payload[name].eq(Mux(equations.valid, equations.payload[name], surface))
@@ -146,7 +147,8 @@ class GradientStep(wiring.Component):
     def _need(self, m: Module) -> None:
         """While any candidate has windows to be read, the row of the first of these is needed."""
         waiting = Signal(range(2 * self._build.queue_depth))
-        m.d.sync += waiting.eq(waiting + self.picked - self.reader.read)
+        with m.If(self.picked ^ self.reader.read):
+            m.d.sync += waiting.eq(waiting + Mux(self.picked, 1, -1))
         begins = self.reader.under_way
         with m.If(waiting == 0):
             m.d.sync += self.needed.eq(self.row)

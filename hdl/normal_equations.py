@@ -15,7 +15,6 @@ from golden.normal_equations import LARGEST, PLACE_BITS, STEP_SIZE
 from golden.parameters import Parameters
 from hdl.derivatives import Format, layout
 from hdl.parts.arithmetic import magnitude
-from hdl.parts.delay_line import DelayLine
 from hdl.parts.square_table import SquareTable
 from hdl.parts.stream import Pipeline
 from hdl.parts.weight_table import WEIGHT_BITS, Weighting
@@ -27,7 +26,10 @@ PASSES = -(-STEP_SIZE // LANES)
 """Passes over the window, from the top; the second lane of the last one is below it."""
 COLUMNS = STEP_SIZE + 2
 """Columns of pixels of each pass."""
-_REACH = STEP_SIZE // 2
+PAUSE = 2
+"""Clocks, at least, between the last column of a window and the first one of the next."""
+_APART = PAUSE + 3
+"""From the last gradients of a window to the first ones of the next, which need three columns."""
 _SUM, _MOMENT = Format(0, ((STEP_SIZE - 1) << PLACE_BITS) ** 2), Format(0, LARGEST)
 FORMATS = Derivatives(_SUM, _SUM, _SUM, _MOMENT, _MOMENT)
 """Formats of the five sums, in full products."""
@@ -81,8 +83,8 @@ class NormalEquations(wiring.Component):
     -------
     i
         Stream of ``window_layout(parameters)``: PASSES times COLUMNS columns for each window, the
-        first two of a pass complete nothing. Behind the last there must be a pause of two clocks or
-        more. Its ready does not depend on its valid.
+        first two of a pass complete nothing. Behind the last there must be PAUSE clocks or more.
+        Its ready does not depend on its valid.
     o
         Stream of derivatives in :data:`FORMATS`.
     """
@@ -150,19 +152,21 @@ class NormalEquations(wiring.Component):
         for k, table in enumerate(tables):
             m.submodules[f"table_{k}"] = table
             m.d.comb += table.enable.eq(pipe.advance)
-        below = line.at(1).bottom
-        masks = [below & (line.weight_at("y", 1) == 0), below]
-        for lane, masked in enumerate(masks):
+        late = self._rows.latency
+        nothing = line.at(1).bottom & (line.weight_at("y", 1) == 0)
+        for lane, masked in enumerate((nothing, line.at(1 + late).bottom)):
             left = pipe.register(centre[lane + 1], f"left_{lane}", when=pipe.valid)
             gx = pipe.register(left - newest[lane + 1], f"gx_{lane}")
             gy = pipe.register(centre[lane] - centre[lane + 2], f"gy_{lane}")
+            # the second row waits for the first one's products
+            gx, gy = (
+                pipe.delay(g, lane * late, f"{n}_{lane}").as_signed() for g, n in ((gx, "gx"), (gy, "gy"))
+            )
             difference = (gx - gy)[: self._bits + 2].as_signed()
             numbers = [
                 _register_or_0(m, pipe, value, masked, f"{name}_{lane}")
                 for name, value in (("gx_size", magnitude(gx)), ("gy_size", magnitude(gy)), ("d", difference))
             ]
-            if lane:
-                numbers = self._delayed(m, pipe, numbers)
             own = tables[lane]
             m.d.comb += [
                 own.x[0].eq(numbers[0]),
@@ -171,16 +175,6 @@ class NormalEquations(wiring.Component):
             ]
             squares.append([Value.cast(v) for v in (own.square[0], own.square[1], tables[-1].square[lane])])
         return squares[0], squares[1]
-
-    def _delayed(self, m: Module, pipe: Pipeline, numbers: list[Signal]) -> list[Value]:
-        m.submodules.second = late = DelayLine(len(Cat(numbers)), self._rows.latency)
-        m.d.comb += [late.enable.eq(pipe.advance), late.i.eq(Cat(numbers))]
-        parts, at = [], 0
-        for number in numbers:
-            part = late.o[at : at + len(number)]
-            parts.append(part.as_signed() if number.shape().signed else part)
-            at += len(number)
-        return parts
 
     def _weigh(
         self, m: Module, pipe: Pipeline, line: _TagLine, first: list[Value], second: list[Value]
@@ -288,11 +282,13 @@ class _TagLine:
     def weight_at(self, axis: str, clock: int) -> Signal:
         """The weight that the columns at this clock of the pipeline have, from 1 on.
 
-        It is handed on with the first column of a window, and stays until that of the next.
+        It is handed on with the first column of a window. The next one's is five clocks behind the
+        last column, so that one register serves for five clocks.
         """
-        start = self.at(clock - 1)
-        weight = self._given[axis] if clock == 1 else self.weight_at(axis, 1)
-        name = f"{axis}_at_{clock}"
+        begin = 1 + (clock - 1) // _APART * _APART
+        start = self.at(begin - 1)
+        weight = self._given[axis] if begin == 1 else self.weight_at(axis, 1)
+        name = f"{axis}_at_{begin}"
         if name not in self._pipe.registers:
             self._pipe.register(weight, name, when=start.left & start.top)
         return self._pipe.registers[name]

@@ -18,6 +18,7 @@ from hdl.step_layouts import LIMIT, STEP_BITS, pixel_place_layout, step_layout, 
 from hdl.subpixel import offset_layout
 
 _HALF_BITS = HALF.bit_length() - 1
+_LIMIT_BITS = LIMIT.bit_length() - 1
 
 
 class StepJudge(wiring.Component):
@@ -94,14 +95,15 @@ class StepJudge(wiring.Component):
             ]
             places.append(place)
             sizes.append(size)
-            beyond.append((place >= LIMIT) | (place <= -LIMIT))
+            beyond.append(_reaches_limit(place))
         length, failed, trusted, leads = Signal(STEP_BITS), Signal(), Signal(), Signal()
-        short = (length << 1) <= known.length + DISAGREEMENT
+        # twice the length, compared with the first step's and DISAGREEMENT
+        short = length <= (known.length >> 1) + DISAGREEMENT // 2
         m.d.sync += [
             length.eq(Mux(sizes[0] > sizes[1], sizes[0], sizes[1])),
             failed.eq(beyond[0] | beyond[1] | solution.clamped | solution.not_maximum),
             trusted.eq(short & ~failed & ~known.failed),
-            leads.eq((known.length >= HALF) & ~known.failed),
+            leads.eq(known.length[_HALF_BITS:].any() & ~known.failed),
         ]
         offset = self.o.payload
         first = ~self.by_gradients
@@ -109,8 +111,9 @@ class StepJudge(wiring.Component):
             step.candidate.eq(Mux(first, self.surface.payload, known.candidate)),
             step.from_x.eq(places[0]),
             step.from_y.eq(places[1]),
-            step.surface_x.eq(Mux(first, places[0], known.surface_x)),
-            step.surface_y.eq(Mux(first, places[1], known.surface_y)),
+            # of a second step only: the first one began there
+            step.surface_x.eq(known.from_x),
+            step.surface_y.eq(known.from_y),
             step.no_surface.eq(Mux(first, solution.not_maximum, known.no_surface)),
             step.length.eq(length),
             step.failed.eq(failed),
@@ -121,6 +124,12 @@ class StepJudge(wiring.Component):
             offset.not_maximum.eq(~trusted & ~leads & known.no_surface),
         ]
         return m
+
+
+def _reaches_limit(place: Value) -> Value:
+    """Is the size of the place the limit or more, a power of two?"""
+    low, high, sign = place[:_LIMIT_BITS], place[_LIMIT_BITS], place[-1]
+    return (high ^ sign) | (sign & ~low.any())
 
 
 def _within_half(offset: Value) -> Value:

@@ -47,9 +47,10 @@ def step_layout(build: Build) -> data.StructLayout:
     """A step that is to be taken.
 
     ``from_x``, ``from_y``: the place that it starts from; ``second``: it is not the candidate's
-    first step; ``failed``, ``length``: that the first one did, and how far it led.
-    ``surface_x``, ``surface_y``, ``no_surface``: the surface's peak, and that there is none. Places
-    are in 1/128 pixel, relative to the candidate's pixel.
+    first step; ``failed``, ``length``, of a second step: that the first one has, and how far it
+    led.
+    ``no_surface``: that the surface has no peak; ``surface_x``, ``surface_y``, of a second step:
+    where it is. Places are in 1/128 pixel, relative to the candidate's pixel.
     """
     place, peak = signed(STEP_BITS), signed(HALF.bit_length() + 1)
     return data.StructLayout(

@@ -12,7 +12,7 @@ from amaranth.lib.wiring import In, Out
 from golden.formats import OFFSET_BITS
 from golden.normal_equations import FARTHEST, PLACE_BITS, STEP_SIZE
 from hdl.build import Build
-from hdl.normal_equations import COLUMNS, LANES, PASSES, window_layout
+from hdl.normal_equations import COLUMNS, LANES, PASSES, PAUSE, window_layout
 from hdl.pixel_store import BANKS, PixelStore, place_layout
 from hdl.step_layouts import CENTRE_BITS, rows_kept, step_layout, under_way_layout
 
@@ -42,7 +42,7 @@ class WindowReader(wiring.Component):
         Stream of ``window_layout(build)``.
     """
 
-    interval = PASSES * COLUMNS + 3
+    interval = PASSES * COLUMNS + PAUSE + 1
     """Clocks from one window to the next."""
 
     def __init__(self, build: Build) -> None:
@@ -65,7 +65,6 @@ class WindowReader(wiring.Component):
         given = self.i.payload
         placed, running, second = Signal(), Signal(), Signal()
         x_place, y_place = (Signal(signed(CENTRE_BITS + PLACE_BITS), name=f"{axis}_place") for axis in "xy")
-        first_x = Signal.like(self.place.x)
         number, column = Signal(range(PASSES)), Signal(range(COLUMNS))
         right, bottom = column == COLUMNS - 1, number == PASSES - 1
         begins = Signal()
@@ -79,7 +78,7 @@ class WindowReader(wiring.Component):
             self.under_way.payload.centre_x.eq(_centre(x_place)),
             self.under_way.payload.centre_y.eq(_centre(y_place)),
         ]
-        start = (given.candidate.x + _centre(x_place) - _REACH)[: len(first_x)]
+        first_x = given.candidate.x + _centre(x_place) - _REACH
         first_row = given.candidate.row + _centre(y_place) + (self._build.algorithm.margin - _REACH)
         with m.If(advance):
             m.d.sync += placed.eq(self.i.valid & ~running & ~placed)
@@ -87,15 +86,14 @@ class WindowReader(wiring.Component):
                 m.d.sync += [
                     running.eq(1),
                     second.eq(given.second),
-                    first_x.eq(start),
-                    self.place.x.eq(start),
+                    self.place.x.eq(first_x),
                     self.place.row.eq(first_row),
                 ]
             with m.Elif(running):
-                m.d.sync += [column.eq(Mux(right, 0, column + 1)), self.place.x.eq(self.place.x + 1)]
+                step = Mux(right, C(1 - COLUMNS, signed(5)), 1)
+                m.d.sync += [column.eq(Mux(right, 0, column + 1)), self.place.x.eq(self.place.x + step)]
                 with m.If(right):
                     m.d.sync += [
-                        self.place.x.eq(first_x),
                         self.place.row.eq(self.place.row + LANES),
                         number.eq(Mux(bottom, 0, number + 1)),
                         running.eq(~bottom),
@@ -124,9 +122,14 @@ class WindowReader(wiring.Component):
 def _place(offset: Value) -> Value:
     """The window's place for a corner at this offset, plus half a pixel."""
     shift = OFFSET_BITS - PLACE_BITS
-    rounded = (offset + ((_HALF << shift) + (1 << (shift - 1)))) >> shift
+    rounded = ((offset + ((_HALF << shift) + (1 << (shift - 1)))) >> shift)[:8]
     low, high = _HALF - FARTHEST, _HALF + FARTHEST
-    return Mux(rounded < low, C(low, signed(8)), Mux(rounded > high, C(high, signed(8)), rounded))
+    # -31 and 47: told by single bits, where a comparison would take a carry chain
+    sign, top = rounded[7], rounded[4:7]
+    above = ~sign & (top[2] | (top[1] & top[0]))
+    below = sign & (~(top[2] & top[1]) | ~rounded[:5].any())
+    bits = CENTRE_BITS + PLACE_BITS
+    return Mux(below, C(low, signed(bits)), Mux(above, C(high, signed(bits)), rounded[:bits].as_signed()))
 
 
 def _centre(place: Value) -> Value:

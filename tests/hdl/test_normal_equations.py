@@ -18,13 +18,12 @@ from golden.normal_equations import (
     normal_equations,
 )
 from hdl.build import Build
-from hdl.normal_equations import COLUMNS, LANES, PASSES, NormalEquations
+from hdl.normal_equations import COLUMNS, LANES, PASSES, PAUSE, NormalEquations
 from sim.engine import EngineName
 from sim.stimulus import Stalls
 from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, Array, extremes, run_block
 
 STEP = Build.profile("paper", fit="gradient")
-PAUSE = 2
 BEATS = PASSES * COLUMNS + PAUSE
 
 

@@ -56,8 +56,8 @@ WINDOWS = {
     ),
     "the row below a window counts": Mutation(
         "hdl/normal_equations.py",
-        '(line.weight_at("y", 1) == 0), below]',
-        '(line.weight_at("y", 1) == 0), 0]',
+        "line.at(1 + late).bottom",
+        "line.at(1 + late).top",
         "tests/hdl/test_normal_equations.py",
         "sums and amaranth-unstalled",
     ),
@@ -91,8 +91,8 @@ WINDOWS = {
     ),
     "steps are trusted that disagree by one unit more": Mutation(
         "hdl/step_judge.py",
-        "known.length + DISAGREEMENT",
-        "known.length + (DISAGREEMENT + 2)",
+        "+ DISAGREEMENT // 2",
+        "+ DISAGREEMENT // 2 + 1",
         "tests/hdl/test_step_judge.py",
         "compiled-unstalled",
     ),
@@ -100,8 +100,8 @@ WINDOWS = {
         "hdl/gradient_step.py",
         "with m.If(waiting == 0):",
         "with m.If(1):",
-        "tests/hdl/test_detector.py",
-        "dense and gradient",
+        "tests/hdl/test_detector_steps.py",
+        "dense and lean",
     ),
     "corners do not wait for their equations": Mutation(
         "hdl/window_stage.py",

@@ -1,0 +1,80 @@
+# amaranth: UnusedElaboratable=no
+"""The detector with gradient steps, which read pixels long after they came: every record."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from golden import Settings, StreamModel
+from hdl.build import Build
+from hdl.detector import Detector
+from sim.frames import Frame, frame_stimulus
+from sim.stimulus import Stalls, Stimulus
+from tests.support.detectors import engine, noise, run
+from tests.support.photographs import photograph
+
+LEAN = Build.profile(
+    "robust",
+    pixel_filter="binomial",
+    derivative="central",
+    response_filter="binomial",
+    texture="none",
+    fit="gradient",
+    max_width=400,
+    max_height=200,
+)
+BANKED = LEAN.changed(buffering="banked")
+builds = pytest.mark.parametrize("parameters", [LEAN, BANKED], ids=["lean", "banked"])
+MANY = Settings.default(LEAN, sigma1=0.002)
+
+
+def frames_of(sizes: list[tuple[int, int]]) -> list[Frame]:
+    return [(noise(*size, k), MANY) for k, size in enumerate(sizes)]
+
+
+@builds
+@pytest.mark.parametrize(
+    "stalls", [Stalls(), Stalls(0.3, 0.3, 1), Stalls(outputs=0.97, seed=2)], ids=["none", "both", "clogged"]
+)
+def test_photographs(parameters: Build, stalls: Stalls) -> None:
+    camera, grass = photograph("camera")[100:220, 100:400], photograph("grass")[:100, :200]
+    default = Settings.default(parameters)
+    result = run(parameters, [(camera, default), (camera, default), (grass, default), (camera, MANY)], stalls)
+    assert all(len(frame.records) > 30 for frame in result.frames[1:])
+    if stalls == Stalls():
+        assert all(frame.clocks < 1.25 * camera.size for frame in result.frames[:2])
+
+
+@builds
+def test_rows_of_a_dense_frame_wait_for_their_gradient_steps(parameters: Build) -> None:
+    """None is written over before the last corner that needs it has read it."""
+    result = run(parameters, frames_of([(60, 300)] * 2))
+    detector = Detector(parameters)
+    for frame in result.frames:
+        assert len(frame.records) > 200
+        assert frame.clocks > 1.5 * 60 * 300
+        late = frame.end_of_frame - frame.last_pixel
+        # banked buffers hold whole rows back, with all their corners
+        assert parameters is BANKED or late <= detector.frame_latency(300) + detector.refinement_latency
+
+
+@builds
+@pytest.mark.parametrize("stalls", [Stalls(), Stalls(0.2, 0.5, 3)], ids=["none", "both"])
+def test_frames_of_different_sizes_follow_each_other(parameters: Build, stalls: Stalls) -> None:
+    """Down to the smallest, in which corners of several frames wait at a time."""
+    sizes = [(15, 15), (15, 40), (60, 15), (16, 17), (40, 300), *[(15, 15)] * 6, (30, 31), (15, 400)]
+    run(parameters, frames_of(sizes), stalls)
+
+
+@pytest.mark.parametrize("cut", [1, 2000, 5000, 5700])
+def test_reset_in_mid_frame_leaves_nothing_of_what_was_before(cut: int) -> None:
+    broken, *frames = frames_of([(30, 200), (40, 90), (30, 200)])
+    start, rest = (frame_stimulus(some, LEAN, Stalls()) for some in ([broken], frames))
+    pixels = np.concatenate([start.beats["i"][:cut], rest.beats["i"]])
+    levels = [*start.levels, *((beat + cut, values) for beat, values in rest.levels)]
+    capture = engine(LEAN).run(Stimulus({"i": pixels}, levels, reset_after=cut), quiet=3000)
+    model = StreamModel(LEAN)
+    expected = np.concatenate([model.process(*frame).records for frame in frames])
+    words = capture.outputs["o"][:, 0]
+    assert np.array_equal(words[len(words) - len(expected) :], expected)
