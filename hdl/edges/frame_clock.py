@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Signal
+from amaranth.hdl import Module, Mux, Signal
 from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
@@ -30,8 +30,7 @@ class FrameClock(wiring.Component):
     Members
     -------
     arrives
-        The input takes a start of frame, but not in the first clock after reset. Others wait before
-        it in their order.
+        The input takes a start of frame. Others wait before it in their order.
     begins, drops
         The first of those that wait begins a frame, or is dropped.
     ends
@@ -42,7 +41,7 @@ class FrameClock(wiring.Component):
         Number of clocks since reset.
     time
         ``now`` when the first pixel of the frame that has ended last was taken, from the clock
-        after ``ends`` on; 0 if none has, from the second clock after reset on.
+        after ``ends`` on; 0 if none has. It is a register.
     """
 
     def __init__(self, most: int) -> None:
@@ -60,26 +59,21 @@ class FrameClock(wiring.Component):
         self._count(m)
         m.submodules.memory = memory = Memory(shape=TIME_BITS, depth=self._depth, init=[])
         write, read = memory.write_port(), memory.read_port()
-        begun, first, second = Signal(range(self._depth)), Signal(init=1), Signal()
+        begun, place = Signal(range(self._depth)), Signal(range(self._depth))
         m.d.comb += [
-            # in the first clock it is 0 that is stored, and read in the second one
-            write.en.eq(self.arrives | first),
+            write.en.eq(self.arrives),
             write.data.eq(self.now),
-            # what is read stays until the next frame ends
-            read.en.eq(self.ends | second),
-            self.time.eq(read.data),
+            # read ahead, so that the way from the memory ends in a register
+            read.addr.eq(Mux(self.forget, begun, place + self.ends)),
         ]
         m.d.sync += [
-            first.eq(0),
-            second.eq(first),
             write.addr.eq(write.addr + self.arrives - self.drops),
             begun.eq(begun + self.begins),
+            place.eq(read.addr),
         ]
         with m.If(self.ends):
-            m.d.sync += read.addr.eq(read.addr + 1)
-        with m.If(self.forget):
-            m.d.sync += read.addr.eq(begun)
-        probe(self, memory=memory, write=write, read=read, begun=begun, first=first, second=second)
+            m.d.sync += self.time.eq(read.data)
+        probe(self, memory=memory, write=write, read=read, place=place, begun=begun)
         return m
 
     def _count(self, m: Module) -> None:

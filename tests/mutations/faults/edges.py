@@ -56,8 +56,8 @@ EDGES = {
     ),
     "a frame that was forgotten keeps its place": Mutation(
         "hdl/edges/frame_clock.py",
-        "read.addr.eq(begun)",
-        "read.addr.eq(read.addr)",
+        "Mux(self.forget, begun, place + self.ends)",
+        "place + self.ends",
         "tests/hdl/edges/test_frame_clock.py",
         "forgotten",
     ),
