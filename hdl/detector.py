@@ -130,6 +130,9 @@ class Detector(wiring.Component):
     def refinement_latency(self) -> int:
         """Most clocks that a frame's end waits for corners: a full queue, and the refinement.
 
+        Where corners come faster than they are refined up to the last row, those in the rows that
+        ``banked`` buffers still hold come on top.
+
         Where cells choose, their last two rows come out, too.
         """
         refinement, selection = self._records.refinement, self._records.cell_selection
