@@ -81,13 +81,13 @@ def test_limits_of_cells_and_of_frames(data: st.DataObject) -> None:
 
 
 def test_the_densest_corners() -> None:
-    """Where corners come faster than they are refined, cells add no clock to that."""
+    """Where corners come faster than they are refined, cells add a clock a row of them at most."""
     y, x = np.mgrid[:64, :512]
     dots = ((x % 5 == 0) & (y % 5 == 0)) * np.random.default_rng(4).integers(150, 256, x.shape)
     image = dots.astype(np.uint8)
     alone, cells = (settings_of(ROBUST, 8, 8, most, sigma1=0, sigma2=0, floor=1) for most in (0, 8))
     clocks = [frame.clocks for frame in run(ROBUST, [(image, alone)] * 2 + [(image, cells)] * 2).frames]
-    assert clocks[3] == clocks[1] > 1.2 * image.size
+    assert clocks[1] > 1.15 * image.size and 0 <= clocks[3] - clocks[1] <= 64 // 8
 
 
 @given(cut=st.integers(1, 40 * 40 - 1), seed=st.integers(0, 99))
