@@ -88,7 +88,7 @@ class TableDivider(wiring.Component):
         contents = [[0] * len(digits) for _ in range(1 << DIGIT_ADDRESS_BITS)]
         for k in range(table.digits):
             contents[(self._first_read + k) % len(contents)] = digits[:, k].tolist()
-        m.submodules.table = memory = Memory(
+        m.submodules.reciprocals = memory = Memory(
             shape=DIGIT_BITS,
             depth=len(digits) << DIGIT_ADDRESS_BITS,
             init=[digit for plane in contents for digit in plane],

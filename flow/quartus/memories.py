@@ -83,7 +83,8 @@ def with_attributes(body: str, block: MemoryBlock) -> str:
 
 def _memory(module: str, declaration: re.Match[str], body: str) -> Memory:
     high, name, last = declaration.groups()
-    word = re.compile(rf"{name}\[([^\[\]]+(?:\[[\d:]+\])?)\]")
+    # an address is a signal, or several of them or their bits
+    word = re.compile(rf"{name}\[((?:[^\[\]]|\[[\d:]+\])+)\]")
     # each a clock and an address
     reads, writes = [], []
     for clock, target, value in _assignments(body):

@@ -143,6 +143,8 @@ REGISTERED = "  always @(posedge clk) begin\n    if (en) begin\n      q <= bank[
             ),
             "dual-port ROM",
         ),
+        # addresses of several signals' bits
+        (buffer(REGISTERED.replace("[ra]", "[{ ra[2:0], rb[0] }]")), "simple dual-port RAM"),
         # read with a reset, or now one word and now another
         (buffer("  always @(posedge clk)\n    if (rst) q <= 8'h00;\n    else q <= bank[ra];\n"), "logic"),
         (buffer(REGISTERED.replace("    end\n", "    end\n    else\n      q <= bank[rb];\n")), "logic"),
