@@ -59,12 +59,14 @@ class FrameClock(wiring.Component):
         self._count(m)
         m.submodules.memory = memory = Memory(shape=TIME_BITS, depth=self._depth, init=[])
         write, read = memory.write_port(), memory.read_port()
-        begun, place = Signal(range(self._depth)), Signal(range(self._depth))
+        # the first of the frames that have begun, and the one after it: no sum lies between `ends`,
+        # which comes late in a clock, and the memory
+        begun, place, after = (Signal(range(self._depth), init=init) for init in (0, 0, 1))
         m.d.comb += [
             write.en.eq(self.arrives),
             write.data.eq(self.now),
             # read ahead, so that the way from the memory ends in a register
-            read.addr.eq(Mux(self.forget, begun, place + self.ends)),
+            read.addr.eq(Mux(self.forget, begun, Mux(self.ends, after, place))),
         ]
         m.d.sync += [
             write.addr.eq(write.addr + self.arrives - self.drops),
@@ -72,8 +74,10 @@ class FrameClock(wiring.Component):
             place.eq(read.addr),
         ]
         with m.If(self.ends):
-            m.d.sync += self.time.eq(read.data)
-        probe(self, memory=memory, write=write, read=read, place=place, begun=begun)
+            m.d.sync += [self.time.eq(read.data), after.eq(after + 1)]
+        with m.If(self.forget):
+            m.d.sync += after.eq(begun + 1)
+        probe(self, memory=memory, write=write, read=read, place=place, after=after, begun=begun)
         return m
 
     def _count(self, m: Module) -> None:

@@ -77,6 +77,7 @@ class ClockChecker(Elaboratable):
         address = len(first_place)
         invariant(m, write.addr == (first_place + begun + waiting)[:address], "places differ")
         invariant(m, inside["begun"] == (first_place + begun)[:address], "frames differ")
+        invariant(m, inside["after"] == (first_place + 1)[:address], "what is next differs")
         with m.If(begun != 0):
             ahead = stored(m, inside["memory"], first_place)
             invariant(m, read.data == ahead, "another time is read ahead")
@@ -105,7 +106,7 @@ CLOCK = Claim(
             within=8,
         ),
         Fault("with m.If(self.ends):", "with m.If(1):", "", within=8),
-        Fault("place + self.ends)", "begun)", "another beat comes out", within=10),
+        Fault("Mux(self.ends, after, place)", "begun", "another beat comes out", within=10),
     ),
 )
 

@@ -56,8 +56,8 @@ EDGES = {
     ),
     "a frame that was forgotten keeps its place": Mutation(
         "hdl/edges/frame_clock.py",
-        "Mux(self.forget, begun, place + self.ends)",
-        "place + self.ends",
+        "Mux(self.forget, begun, Mux(self.ends, after, place))",
+        "Mux(self.ends, after, place)",
         "tests/hdl/edges/test_frame_clock.py",
         "forgotten",
     ),
