@@ -71,10 +71,17 @@ GOLDEN = {
     ),
     "gradient steps are trusted that disagree by one unit more": Mutation(
         "golden/subpixel.py",
-        "<= _apart(surface, first) + DISAGREEMENT",
-        "<= _apart(surface, first) + DISAGREEMENT + 1",
+        "<= way + DISAGREEMENT)",
+        "<= way + DISAGREEMENT + 1)",
         "tests/golden/test_normal_equations.py",
         "trust_by_hand",
+    ),
+    "a first gradient step of just half a pixel does not count": Mutation(
+        "golden/subpixel.py",
+        "(way >= HALF)",
+        "(way > HALF)",
+        "tests/golden/test_normal_equations.py",
+        "long_first_step",
     ),
     "the golden mantissas forget that a negative number may be largest": Mutation(
         "golden/subpixel.py",
