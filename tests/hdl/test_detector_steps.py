@@ -14,16 +14,7 @@ from sim.stimulus import Stalls, Stimulus
 from tests.support.detectors import engine, noise, run
 from tests.support.photographs import photograph
 
-LEAN = Build.profile(
-    "robust",
-    pixel_filter="binomial",
-    derivative="central",
-    response_filter="binomial",
-    texture="none",
-    fit="gradient",
-    max_width=400,
-    max_height=200,
-)
+LEAN = Build.profile("precise", max_width=400, max_height=200)
 BANKED = LEAN.changed(buffering="banked")
 builds = pytest.mark.parametrize("parameters", [LEAN, BANKED], ids=["lean", "banked"])
 MANY = Settings.default(LEAN, sigma1=0.002)
