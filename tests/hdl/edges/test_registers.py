@@ -49,7 +49,7 @@ def test_map_is_sound(parameters: Parameters) -> None:
 
 def test_texts_say_what_was_built() -> None:
     """The golden model's words: the bits that count for ``Settings.mean_weight``, and limits."""
-    paper, robust = registers(), registers(Build.profile("robust", budget=True))
+    paper, robust = registers(), registers(Build.profile("robust", texture="mean", budget=True))
     assert paper["SIGMA2"].text.startswith("Texture threshold: ")
     assert robust["SIGMA2"].text.startswith("Weight of the local level of D")
     assert "bits 16:13; what is 2 or more counts as 15/8" in robust["SIGMA2"].fields[0].text
@@ -84,7 +84,7 @@ def test_every_event_has_its_bit_in_status() -> None:
 def test_capability() -> None:
     known = {name: registers(parameters)["CAPABILITY"].reset for name, parameters in BUILDS.items()}
     assert known["paper"] == 1 | 8 << 4 | 1 << 15 | 1 << 16
-    assert known["robust"] == 1 | 8 << 4 | 0b110011 << 8 | 2 << 16 | 0b111 << 20
+    assert known["robust"] == 1 | 8 << 4 | 0b1110011 << 8 | 2 << 16 | 1 << 19 | 1 << 21
     assert known["smoothed"] == 1 | 8 << 4 | 1 << 15 | 1 << 19 | 1 << 26
     assert known["odd"] == 1 | 10 << 4 | 0b10001100 << 8
     assert registers(BUILDS["odd"])["CONTROL"].reset == 1 and registers()["CONTROL"].reset == 0
