@@ -136,6 +136,8 @@ def test_plots_are_pictures_and_always_the_same() -> None:
         "robustness.png",
         "ablation.png",
         "downstream.png",
+        "calibration.png",
+        "spread.png",
     }
     assert all(content.startswith(b"\x89PNG") for content in first.values())
     assert plots({"accuracy": measured()["accuracy"]}) == {"accuracy.png": first["accuracy.png"]}
