@@ -62,7 +62,7 @@ _KINDS: dict[str, tuple[type[np.generic], ...]] = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Corners(ByValue):
-    """Corners in raster order, as arrays of one length.
+    """Corners in the order of their records, usually raster order, as arrays of one length.
 
     Two ``Corners`` are equal if all their values are. A slice, a mask or an array of indices
     selects some of them: ``corners[corners.accepted]``.
