@@ -16,6 +16,8 @@ from hdl.parts.stream import Beat
 
 BANKS = 4
 """Rows that can be read at once: row r lies in bank r modulo 4."""
+PART = 2
+"""Bits of a memory: a block RAM holds more words of two bits, and none has to be chosen from."""
 
 
 class PixelStore(wiring.Component):
@@ -98,26 +100,30 @@ class PixelStore(wiring.Component):
         slot = row[2 : 2 + slot_bits]
         top, read_out = self.place.row, []
         for number in range(BANKS):
-            m.submodules[f"bank_{number}"] = memory = Memory(
-                shape=self._pixel,
-                depth=self._max_width * self._rows // BANKS,
-                init=[],
-                attrs={"ram_style": "block"},
-            )
-            writing, reading = memory.write_port(), memory.read_port()
             kept = Signal(self._pixel, name=f"kept_{number}", reset_less=True)
             # below the topmost row, banks of smaller numbers hold the rows after the next multiple
             # of four
             later = top[:2] > number
-            m.d.comb += [
-                writing.addr.eq(Cat(slot, x)),
-                writing.data.eq(self.i.payload.data),
-                writing.en.eq(step & (row[:2] == number)),
-                reading.addr.eq(Cat((top[2:] + later)[:slot_bits], self.place.x)),
-                reading.en.eq(self.reading),
-            ]
+            data = []
+            for low in range(0, self._pixel.width, PART):
+                part = self.i.payload.data[low : low + PART]
+                m.submodules[f"bank_{number}_{low}"] = memory = Memory(
+                    shape=len(part),
+                    depth=self._max_width * self._rows // BANKS,
+                    init=[],
+                    attrs={"ram_style": "block"},
+                )
+                writing, reading = memory.write_port(), memory.read_port()
+                m.d.comb += [
+                    writing.addr.eq(Cat(slot, x)),
+                    writing.data.eq(part),
+                    writing.en.eq(step & (row[:2] == number)),
+                    reading.addr.eq(Cat((top[2:] + later)[:slot_bits], self.place.x)),
+                    reading.en.eq(self.reading),
+                ]
+                data.append(reading.data)
             with m.If(self.reading):
-                m.d.sync += kept.eq(reading.data)
+                m.d.sync += kept.eq(Cat(data))
             read_out.append(kept)
         first = top[:2]
         for k in range(2):
