@@ -33,8 +33,7 @@ _FLAT = 1e-3
 def correspondences(pair: Pair, first: Points, second: Points) -> NDArray[np.intp]:
     """(n, 2) indices of corners of both views that correlate best with each other.
 
-    Patches lie at the nearest whole pixels, so that corners which differ by their subpixel step
-    alone have the same partners.
+    Patches lie at the nearest whole pixels, so that rounding leaves the partners as they are.
     """
     if not len(first) or not len(second):
         return np.empty((0, 2), np.intp)
