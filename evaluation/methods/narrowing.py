@@ -29,10 +29,11 @@ from golden.derivatives import Derivatives
 from golden.formats import OFFSET_BITS
 from golden.frame import Frame, response_map
 from golden.normal_equations import normal_equations, window_place
+from golden.pixel_filter import pixel_filter
 from golden.preprocessing import IntArray, gradients, products
 from golden.response import response
 from golden.subpixel import FITS, derivative_bits, peak, subpixel
-from golden.thresholds import thresholds
+from golden.thresholds import Thresholds, thresholds
 from hdl.build import Build
 from hdl.parts.circular_buffer import CircularBuffer
 from hdl.response import Response
@@ -141,9 +142,9 @@ def _tensor(
         cut = full - bits
 
         def responses(image: NDArray[np.uint8], cut: int = cut) -> IntArray:
-            parts = products(
-                *gradients(image, parameters.algorithm.derivative), parameters.algorithm.gradient
-            )
+            algorithm = parameters.algorithm
+            pixels = pixel_filter(image, algorithm.pixel_passes)
+            parts = products(*gradients(pixels, algorithm.derivative), algorithm.gradient)
             a, b, c = (_smooth(part, cut) for part in parts)
             return response(a, b, c, parameters)
 
@@ -169,7 +170,7 @@ def _smooth(product: IntArray, cut: int) -> IntArray:
 # -- D
 
 
-_D_BLOCKS = "response buffer, texture filter, centre rows, corner detection"
+_D_BLOCKS = "response buffer, and what looks at its windows"
 
 
 def _d_area(parameters: Build) -> Figures:
@@ -217,8 +218,8 @@ def _detections(
 ) -> Figures:
     shared = []
     for image in images:
-        exact = _places(_corners(image.pixels, response_map(image.pixels, parameters), parameters, 0))
-        found = _places(_corners(image.pixels, responses(image.pixels), parameters, cut))
+        exact = _pixels(image.pixels, response_map(image.pixels, parameters), parameters, 0)
+        found = _pixels(image.pixels, responses(image.pixels), parameters, cut)
         shared.append(np.array([[len(exact & found), len(exact | found)]]))
     result: Figures = {"same": estimate(shared, _ratio)}
     for kind, some in rendered.items():
@@ -235,15 +236,26 @@ def _detections(
     return result
 
 
-def _corners(image: NDArray[np.uint8], responses: IntArray, parameters: Parameters, cut: int) -> Corners:
+def _frame(
+    image: NDArray[np.uint8], responses: IntArray, parameters: Parameters, cut: int
+) -> tuple[Frame, Thresholds]:
     """With the default thresholds, in units of what is left of D."""
     settings = Settings.default(parameters)
     frame = Frame(image, parameters, settings, responses)
-    limits = thresholds(settings, max(frame.maximum, settings.floor >> cut), parameters)
+    return frame, thresholds(settings, max(frame.maximum, settings.floor >> cut), parameters)
+
+
+def _corners(image: NDArray[np.uint8], responses: IntArray, parameters: Parameters, cut: int) -> Corners:
+    frame, limits = _frame(image, responses, parameters, cut)
     return decode(frame.records(limits))
 
 
-def _places(corners: Corners) -> set[tuple[float, float]]:
+def _pixels(
+    image: NDArray[np.uint8], responses: IntArray, parameters: Parameters, cut: int
+) -> set[tuple[int, int]]:
+    """Pixels of the corners, before any subpixel step."""
+    frame, limits = _frame(image, responses, parameters, cut)
+    corners = frame.corners(limits)
     return set(zip(corners.x.tolist(), corners.y.tolist(), strict=True))
 
 

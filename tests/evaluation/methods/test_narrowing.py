@@ -13,7 +13,7 @@ from amaranth.lib import wiring
 from evaluation.inputs.sources import photographs
 from evaluation.methods import narrowing
 from flow.cyclone4.area import Area
-from golden import Parameters
+from golden import PROFILES, Parameters
 from golden.convolution import smooth
 from golden.frame import response_map
 
@@ -80,3 +80,12 @@ def test_blocks_are_built_for_fewer_bits(monkeypatch: pytest.MonkeyPatch) -> Non
     points = list(narrowing._response(ROBUST, images, {}, (0, 2)))
     assert [(point["bits"], point["area"]["le"]) for point in points] == [(17, 3), (15, 3)]
     assert len(built) == 6 and points[0]["same"]["value"] == 1 > points[1]["same"]["value"]
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_products_with_all_bits_give_all_corners(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(narrowing, "_area", lambda block: {})
+    parameters = Parameters.profile(name)
+    images = photographs(quick=True)[:1]
+    (point,) = narrowing._tensor(parameters, images, {}, (parameters.product_bits,))
+    assert point["default"] and point["same"]["value"] == 1

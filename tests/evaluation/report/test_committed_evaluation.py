@@ -45,6 +45,9 @@ def test_committed_figures_are_complete() -> None:
     assert not found["about"]["quick"]
     assert ["about", *SECTIONS] == list(found)
     assert found["chessboards"]["photographed"]["boards"] > 20
+    for sweep in ("tensor", "response"):
+        (usual,) = (point for point in found["word_lengths"][sweep] if point["default"])
+        assert usual["same"]["value"] == 1
     for name in PROFILES:
         for kind in KINDS:
             assert found["accuracy"][name][kind]["scenes"] == 432
