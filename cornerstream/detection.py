@@ -28,6 +28,7 @@ from cornerstream.options import (
     image_argument,
     json_option,
     model_options,
+    most_demanding,
     normalize_option,
     output_option,
     parameters_from,
@@ -86,7 +87,7 @@ def detect(
     asked = [_Asked(name, parameters_from(name, options), options) for name in profiles]
     with bad_input():
         check_distance("min_distance", min_distance)
-    photograph = load(image, asked[0].parameters, normalize=normalize)
+    photograph = load(image, most_demanding(each.parameters for each in asked), normalize=normalize)
     console.remarks(photograph)
     if output is None and not as_json:
         output = Path("build")

@@ -58,13 +58,15 @@ _LEFT_OUT = [name for name, section in SECTIONS.items() if section.not_quick]
     "--images",
     type=GIVEN_PATH,
     metavar="DIR",
-    help="Photographs to render views of, instead of packaged ones: for repeatability, robustness and ablation.",
+    help="Photographs to render views of, instead of packaged ones: for repeatability, hpatches, robustness, "
+    "downstream, spread and ablation.",
 )
 @click.option(
     "--pairs",
     type=GIVEN_PATH,
     metavar="DIR",
-    help="Images and homographies H_1_2.txt: x2 ~ H x1, as HPatches. For the same.",
+    help="Images and homographies H_1_2.txt: x2 ~ H x1, as HPatches: for repeatability, hpatches, "
+    "robustness and ablation.",
 )
 @click.option(
     "--video",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, TypeVar, get_args
 
 import click
 
@@ -29,6 +29,7 @@ _EDGES = ("video_out", "autostart")
 _BUILT = ("budget", "max_per_cell", "min_cell_width")
 """Fields of ``Parameters`` that change no corner: settings ask for what they build."""
 _HARDWARE = (*_BUILT, *(name for name in options(Build) if name not in (*options(Parameters), *_EDGES)))
+_Parameters = TypeVar("_Parameters", bound=Parameters)
 _DETECTOR = (*options(Algorithm), *options(Build))
 _CELL = ("cell_width", "cell_height")
 _THRESHOLDS = tuple(name for name in options(Settings) if name not in ("report_rejected", *_CELL))
@@ -250,6 +251,11 @@ def parameters_from(profile: str, options: dict[str, Any]) -> Parameters:
     return parameters
 
 
+def most_demanding(parameters: Iterable[_Parameters]) -> _Parameters:
+    """The one of several detectors whose smallest frame is the largest: all take what it takes."""
+    return max(parameters, key=lambda each: each.algorithm.support)
+
+
 def build_from(profile: str, options: dict[str, Any]) -> Build:
     """The hardware that the command line describes.
 
@@ -265,7 +271,9 @@ def build_from(profile: str, options: dict[str, Any]) -> Build:
             check_core(build, options["interface"])
     _refuse_idle_patches(profile, build)
     bare = options.get("interface") == "stream"
+    narrowest = build.min_cell_width != Build.profile(profile).min_cell_width
     refuse_idle(
+        Idle("min_cell_width", narrowest and build.max_per_cell == 0, "with --max-per-cell"),
         Idle("video_out", bare, "with --interface axi"),
         Idle("autostart", bare, "with --interface axi or avalon"),
     )
@@ -279,7 +287,7 @@ def _changes(options: dict[str, Any]) -> dict[str, Any]:
     changes = {field: value for field, value in given.items() if value is not None and value is not False}
     if any(options.get(field) for field in BUDGET_SETTINGS):
         changes["budget"] = True
-    if options.get("per_cell"):
+    if (options.get("per_cell") or 0) > 0:
         changes.setdefault("max_per_cell", min(options["per_cell"], MAX_PER_CELL))
     return changes
 
@@ -287,7 +295,18 @@ def _changes(options: dict[str, Any]) -> dict[str, Any]:
 def _refuse_idle_patches(profile: str, parameters: Parameters) -> None:
     algorithm, usual = parameters.algorithm, PROFILES[profile]
     changed = algorithm.patches != usual.patches
-    refuse_idle(Idle("patches", algorithm.texture != "patches" and changed, "with --texture patches"))
+    used = "patches" in _textures(parameters)
+    refuse_idle(Idle("patches", changed and not used, "with --texture patches"))
+
+
+def _textures(parameters: Parameters) -> set[str]:
+    """Texture filters of this detector, and of the others that the command line asks for.
+
+    An option of a texture filter changes something if one of several profiles has that filter.
+    """
+    given = click.get_current_context().params
+    others = () if given.get("texture") else given.get("profiles", ())
+    return {parameters.algorithm.texture, *(PROFILES[name].texture for name in others)}
 
 
 def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
@@ -305,7 +324,7 @@ def settings_from(options: dict[str, Any], parameters: Parameters) -> Settings:
         settings.check(parameters)
     constant = settings.reference == "constant"
     refuse_idle(
-        Idle("sigma2", parameters.algorithm.texture == "none", "with --texture patches or mean"),
+        Idle("sigma2", _textures(parameters) == {"none"}, "with --texture patches or mean"),
         Idle(
             "constant",
             constant and settings.constant < settings.floor,

@@ -35,6 +35,7 @@ from cornerstream.options import (
     hardware_options,
     json_option,
     model_options,
+    most_demanding,
     normalize_option,
     output_option,
     profiles_option,
@@ -179,7 +180,7 @@ def simulate(
     settings = {name: settings_from(options, build) for name, build in builds.items()}
     run = _run_from(options, profiles)
     first = builds[profiles[0]]
-    photograph = _photograph(image, first, run, normalize=normalize)
+    photograph = _photograph(image, most_demanding(builds.values()), run, normalize=normalize)
     check_tools(run.engine)
     if output is None and not as_json:
         output = Path("build")

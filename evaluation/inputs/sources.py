@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -195,7 +196,10 @@ def read_homography(path: Path) -> NDArray[np.float64]:
     :class:`SourceError` if it is not one with an inverse.
     """
     try:
-        matrix = _stored(path) if path.suffix == ".xml" else np.loadtxt(path, dtype=np.float64)
+        with warnings.catch_warnings():
+            # an empty file makes one
+            warnings.simplefilter("ignore")
+            matrix = _stored(path) if path.suffix == ".xml" else np.loadtxt(path, dtype=np.float64)
     except (OSError, ValueError) as error:
         raise SourceError(f"{path} cannot be read as a homography; allowed: 3x3 numbers") from error
     if matrix.shape != (3, 3) or not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < 1e-12:

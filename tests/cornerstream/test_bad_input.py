@@ -86,6 +86,16 @@ def test_image(folder: Path, command: str, image: str, parts: list[str]) -> None
 
 
 @pytest.mark.parametrize("command", ["simulate", "detect"])
+@pytest.mark.parametrize("profiles", [("robust", "paper"), ("precise", "robust")])
+def test_image_too_small_for_one_profile(folder: Path, command: str, profiles: tuple[str, str]) -> None:
+    Image.new("L", (13, 13)).save(folder / "small.png")
+    before = listing(folder)
+    options = [word for name in profiles for word in ("--profile", name)]
+    check(run(command, "small.png", *options), "small.png is 13x13 pixels; allowed: 15x15 up to")
+    assert listing(folder) == before
+
+
+@pytest.mark.parametrize("command", ["simulate", "detect"])
 @pytest.mark.parametrize(
     ("option", "value", "parts"),
     [
@@ -94,6 +104,7 @@ def test_image(folder: Path, command: str, image: str, parts: list[str]) -> None
         ("--sigma1", "nan", ["sigma1 is nan", "allowed"]),
         ("--max-corners", "-1", ["max_corners is -1", "allowed: whole numbers from 0 to 65535"]),
         ("--target-corners", "65536", ["target_corners is 65536", "allowed: whole numbers from 0 to 65535"]),
+        ("--per-cell", "-1", ["per_cell is -1", "allowed: whole numbers from 0 to 16"]),
         ("--per-cell", "17", ["per_cell is 17", "allowed: whole numbers from 0 to 16"]),
         ("--cell", "64", ["'64' is no size of a cell", "allowed: width and height, such as 64x48"]),
         ("--cell", "7x64", ["cell_width is 7", "allowed: whole numbers from 8 to 128"]),

@@ -58,6 +58,7 @@ def run(line: str) -> Result:
 
 MEAN = "--texture mean --patches pixels"
 TEXTURE = f"--patches is pixels, {IDLE}with --texture patches"
+SIGMA2 = f"--sigma2 is 1.0, {IDLE}with --texture patches or mean"
 STREAM = f"--video-out is set, {IDLE}with --interface axi"
 AUTOSTART = f"--autostart is set, {IDLE}with --interface axi or avalon"
 NO_PAGE = f"{IDLE}without --page"
@@ -92,6 +93,9 @@ PAIRS = "with --only repeatability or hpatches or robustness or ablation"
         ("simulate a.png --cell 32x48", f"--cell is 32x48, {IDLE}with --per-cell"),
         ("detect a.png --buffering lean", "No such option"),
         ("detect a.png --max-per-cell 4", "No such option"),
+        ("verilog --min-cell-width 16", f"--min-cell-width is 16, {IDLE}with --max-per-cell"),
+        ("simulate a.png --min-cell-width 16", f"--min-cell-width is 16, {IDLE}with --max-per-cell"),
+        ("detect a.png --profile robust --profile precise --sigma2 1", SIGMA2),
         ("detect a.png --budget", "No such option"),
         ("bench --no-engines --turns 9", f"--turns is 9, {IDLE}without --no-engines"),
         ("compare --page --quick", f"--quick is set, {NO_PAGE}"),
@@ -139,6 +143,11 @@ def test_refused(folder: Path, line: str, message: str) -> None:
         "simulate a.png --target-corners 9 --buffering lean --budget",
         "detect a.png --cell 32x48 --per-cell 4",
         "simulate a.png --per-cell 4 --max-per-cell 8 --min-cell-width 64",
+        "simulate a.png --per-cell 4 --min-cell-width 64",
+        "verilog --min-cell-width 8",
+        # one of the profiles takes it
+        "detect a.png --profile robust --profile paper --sigma2 1",
+        "detect a.png --profile robust --profile paper --patches pixels",
         "verilog --video-out --autostart",
         "verilog --interface avalon --autostart",
         "synth --interface axi --video-out --seed 7",

@@ -115,6 +115,7 @@ def test_homographies(tmp_path: Path) -> None:
         ("1 2 3\n4 5 6\n", "is not a homography"),
         ("1 0 0\n0 1 0\n0 0 0\n", "is not a homography"),
         ("1 0 nan\n0 1 0\n0 0 1\n", "is not a homography"),
+        ("", "is not a homography"),
         ("one two\n", "cannot be read as a homography"),
     ):
         good.write_text(text)
