@@ -35,7 +35,9 @@ class CellInsertion(wiring.Component):
     """Inserts corners into the row of cells that fills.
 
     The records of a cell are sorted, the strongest first. A new one is compared with them from the
-    weakest on: each that is weaker moves down by one place, and what finds no place is surplus.
+    weakest on: each that is weaker moves down by one place, and what finds no place is surplus. A
+    record is copied down while it is compared. If it turns out not to be weaker, the new one comes
+    over its copy in the next clock; otherwise the record above it is copied in that clock.
     The numbers of records are cleared, cell by cell, while a row of cells begins; a corner waits
     for this.
 
@@ -88,50 +90,64 @@ class CellInsertion(wiring.Component):
         m = Module()
         record, cell = self.i.payload.record, self.i.payload.cell
         # one of them in every clock
-        idle = Signal(init=1)
-        counting, start, fetching, compare, put = (
-            Signal(name=name) for name in ("counting", "start", "fetching", "compare", "put")
+        idle, cleared = Signal(init=1), Signal(range(self._parameters.max_cells + 1))
+        counting, start, fetching, step = (
+            Signal(name=name) for name in ("counting", "start", "fetching", "step")
         )
-        # the place that is written next: what lay below it has moved; beyond the last place is none
-        target, beyond, topmost = Signal.like(self.count, name="target"), Signal(), Signal()
-        weaker, cleared = Signal(), Signal(range(self._parameters.max_cells + 1))
+        # the record before was weaker; only this is decided by comparing, and in the next clock
+        weaker = Signal(init=1)
+        begins, top, put = (Signal(name=name) for name in ("begins", "top", "put"))
         m.d.comb += [
-            self.look.eq(idle & self.i.valid & (cell.column < cleared)),
-            weaker.eq(self._response(self.record) < self._response(record)),
+            # also while the corner waits, so that no address depends on this comparison
+            self.look.eq(idle & self.i.valid),
+            begins.eq(self.look & (cell.column < cleared)),
+            put.eq(step & (~weaker | top)),
+            self.i.ready.eq(put),
+            self.scan.eq(start | fetching | step),
         ]
         m.d.sync += [
-            idle.eq(put | (idle & ~self.look)),
-            counting.eq(self.look),
+            idle.eq(put | (idle & ~begins)),
+            counting.eq(begins),
             start.eq(counting),
             fetching.eq(start & (self.count != 0)),
-            compare.eq(fetching | (compare & weaker & ~topmost)),
-            put.eq((start & (self.count == 0)) | (compare & (~weaker | topmost))),
+            step.eq(fetching | (start & (self.count == 0)) | (step & ~put)),
+            weaker.eq(~step | (self._response(self.record) < self._response(record))),
         ]
-        with m.If(start):
-            m.d.sync += [
-                target.eq(self.count),
-                beyond.eq(self.count == cell.per_cell),
-                topmost.eq(self.count == 1),
-            ]
-        with m.If(compare & weaker):
-            m.d.sync += [target.eq(target - 1), beyond.eq(0), topmost.eq(target == 2)]
-        m.d.comb += [
-            self.i.ready.eq(put),
-            self.scan.eq(start | fetching | compare),
-            # one that is not weaker is written, too: over this place the new one comes next
-            self.write_record.en.eq((put | compare) & ~beyond),
-            self.write_record.addr.rank.eq(target),
-            self.write_record.addr.row.eq(self.row),
-            self.write_record.addr.column.eq(cell.column),
-            self.write_record.data.eq(Mux(put, record, self.record)),
-        ]
+        self._write(m, start, step, weaker, top)
+        m.d.comb += self.write_record.data.eq(Mux(put, record, self.record))
         self._read(m, start)
         self._count(m, start, cleared)
-        probe(self, target=target, cleared=cleared)
+        probe(self, weaker=weaker, cleared=cleared)
         return m
 
     def _response(self, record: Value) -> Value:
         return record[RESPONSE_SHIFT : RESPONSE_SHIFT + self._parameters.response_bits]
+
+    def _write(self, m: Module, start: Signal, step: Signal, weaker: Signal, top: Signal) -> None:
+        """Where a step writes: a place higher than the step before, or over what that one wrote."""
+        place = data.StructLayout({"rank": len(self.count), "beyond": 1})
+        higher, same, chosen = (Signal(place, name=name) for name in ("higher", "same", "chosen"))
+        with m.If(start):
+            # beyond the last place is none
+            m.d.sync += [
+                higher.rank.eq(self.count),
+                higher.beyond.eq(self.count == self.i.payload.cell.per_cell),
+                top.eq(self.count == 0),
+            ]
+        with m.If(step):
+            m.d.sync += [
+                same.eq(higher),
+                higher.rank.eq(higher.rank - 1),
+                higher.beyond.eq(0),
+                top.eq(higher.rank == 1),
+            ]
+        m.d.comb += [
+            chosen.eq(Mux(weaker, higher, same)),
+            self.write_record.en.eq(step & ~chosen.beyond),
+            self.write_record.addr.rank.eq(chosen.rank),
+            self.write_record.addr.row.eq(self.row),
+            self.write_record.addr.column.eq(self.i.payload.cell.column),
+        ]
 
     def _read(self, m: Module, start: Value) -> None:
         """The records of the cell are read from the last one on, one per clock."""

@@ -139,6 +139,15 @@ def test_by_hand(name: EngineName) -> None:
 
 
 @pytest.mark.parametrize("name", ENGINES)
+def test_a_full_cell_by_hand(name: EngineName) -> None:
+    """6, 9, 6, 7 fill the cell; 9 and 8 come among them, and push each a 6 out; 1 is surplus."""
+    response = np.array([6, 9, 6, 7, 9, 8, 1])
+    frame = Frame(np.arange(7), np.zeros(7, np.int64), response, per_cell=4, height=8)
+    capture = check(PLAIN, [frame], name)
+    assert [int(word) & 7 for word in capture.outputs["o"][:-1, 0]] == [1, 4, 5, 3]
+
+
+@pytest.mark.parametrize("name", ENGINES)
 def test_rows_of_cells_leave_nothing_to_those_after_them(name: EngineName) -> None:
     """The last cell of a row is asked for at once, and had records two rows before."""
     y = np.repeat(np.arange(0, 48, 8), 2)
