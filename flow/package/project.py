@@ -29,6 +29,8 @@ MANIFEST = "cornerstream-package.json"
 REGISTERS_PAGE = "registers.md"
 EXAMPLE_WIDTH, EXAMPLE_HEIGHT = 64, 48
 """Size of the frames of the example, where the core is built for such large ones."""
+EXAMPLE_CELL = 16
+"""Side of the example's cells, where the core is built for such small ones."""
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _SOFTWARE = {"software/{}.h": "cornerstream.h", "software/{}_example.c": "example.c"}
@@ -100,6 +102,7 @@ def _facts(build: Build, name: str) -> dict[str, Any]:
     return {
         **facts(build),
         "defaults": Settings.default(build),
+        "example_cell": max(EXAMPLE_CELL, build.min_cell_width),
         "example_height": min(EXAMPLE_HEIGHT, build.max_height),
         "example_width": min(EXAMPLE_WIDTH, build.max_width),
         "margin": build.algorithm.margin,

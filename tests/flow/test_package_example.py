@@ -245,6 +245,12 @@ def test_fusesoc_lints(workspace: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_the_package_says_in_which_order_corners_come() -> None:
+    plain, cells = (package("avalon", **changes)["README.md"] for changes in ({}, {"max_per_cell": 3}))
+    order = "cells come in raster order instead"
+    assert "Corners in raster order" in plain and order not in plain and order in cells
+
+
 @pytest.mark.parametrize(("interface", "changes"), VARIANTS)
 def test_the_package_says_what_is_in_it(interface: PackageInterface, changes: dict[str, Any]) -> None:
     files = package(interface, **changes)

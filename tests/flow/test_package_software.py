@@ -229,6 +229,24 @@ def test_two_halves_are_of_one_number(software: Path, start: int, read: int, rea
     assert done.stdout == f"{read} {reads}"
 
 
+@pytest.mark.parametrize(("least", "side"), [(8, 16), (40, 40)])
+def test_the_example_sets_cells(tmp_path: Path, least: int, side: int) -> None:
+    """They are built, and are there before the core starts."""
+    build = Build.profile("robust", max_width=WIDTH, max_height=HEIGHT, max_per_cell=3, min_cell_width=least)
+    program = compiled(laid_out(tmp_path, build), FAKE, c_compiler(), "-std=c99")
+    largest = f"{HEIGHT << 16 | WIDTH:#x}"
+    done = subprocess.run([program, largest], input=recorded().records.tobytes(), capture_output=True)
+    registers = driver_map(build)
+    word = registers.encode("CELLS", cell_width=side, cell_height=side, per_cell=3)
+    start = registers.encode("CONTROL", enable=1)
+    writes = done.stderr.decode().splitlines()
+    cells, enable = (
+        f"{registers.address('CELLS'):02x} {word:08x}",
+        f"{registers.address('CONTROL'):02x} {start:08x}",
+    )
+    assert done.returncode == 0 and writes.index(cells) < writes.index(enable)
+
+
 def test_the_example_prints_times(software: Path) -> None:
     packet = np.append(recorded().records, np.uint64(encode_frame_time(1 << 59 | 12)))
     program = compiled(software, FAKE, c_compiler(), "-std=c99")
