@@ -52,10 +52,10 @@ verilog: $(BUILD)/cornerstream.v  ## build/cornerstream.v
 $(BUILD)/cornerstream.v: $(SOURCES) | $(CORE)
 	$(BIN)/cornerstream verilog -o $@
 
-# both profiles, unless ARGS names some
+# two profiles, unless ARGS names some
 PROFILES := $(if $(findstring --profile,$(ARGS)),,--profile robust --profile paper)
 
-run: | $(CORE)  ## both profiles on IMAGE=photo.jpg (default: scikit-image's camera), side by side; options in ARGS=
+run: | $(CORE)  ## profiles robust and paper on IMAGE=photo.jpg (default: scikit-image's camera), side by side; options in ARGS=
 	$(BIN)/cornerstream simulate $(if $(IMAGE),"$(IMAGE)") --output $(BUILD) $(PROFILES) $(ARGS)
 
 package: | $(CORE)  ## build/ip: the core with drivers, descriptions and an example

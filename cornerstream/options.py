@@ -116,7 +116,7 @@ profiles_option = option(
     default=[DEFAULT_PROFILE],
     show_default=True,
     callback=lambda _, __, names: tuple(dict.fromkeys(names)),
-    **{**_PROFILE, "help": f"{_PROFILE['help']} May be given again, to see both."},
+    **{**_PROFILE, "help": f"{_PROFILE['help']} May be given again, to see several."},
 )
 _algorithm = options_of_fields(ALGORITHM, Algorithm, options(Algorithm), by_default=False)
 _frame = options_of_fields(FRAME, Parameters, (name for name in options(Parameters) if name not in _BUILT))
@@ -135,7 +135,8 @@ class _CellSize(click.ParamType):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         sides = str(value).split("x")
-        if len(sides) != 2 or not all(side.isdecimal() for side in sides):
+        # Python converts no more than some thousand digits
+        if len(sides) != 2 or not all(side.isdecimal() and len(side) < 10 for side in sides):
             self.fail(f"{value!r} is no size of a cell; allowed: width and height, such as 64x48", param, ctx)
         return "x".join(str(int(side)) for side in sides)
 

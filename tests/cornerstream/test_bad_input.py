@@ -107,6 +107,7 @@ def test_image_too_small_for_one_profile(folder: Path, command: str, profiles: t
         ("--per-cell", "-1", ["per_cell is -1", "allowed: whole numbers from 0 to 16"]),
         ("--per-cell", "17", ["per_cell is 17", "allowed: whole numbers from 0 to 16"]),
         ("--cell", "64", ["'64' is no size of a cell", "allowed: width and height, such as 64x48"]),
+        ("--cell", f"{'9' * 5000}x8", ["is no size of a cell", "allowed: width and height"]),
         ("--cell", "7x64", ["cell_width is 7", "allowed: whole numbers from 8 to 128"]),
         ("--cell", "64x129", ["cell_height is 129", "allowed: whole numbers from 8 to 128"]),
         ("--suppression", "5", ["suppression is 5", "allowed: whole numbers from 1 to 4"]),
