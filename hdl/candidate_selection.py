@@ -108,7 +108,8 @@ class CandidateSelection(wiring.Component):
         With ``budget`` only: the limit, and whether textured peaks are counted, too; steady from
         before a frame's first window to its last.
     cells
-        With ``max_per_cell`` only: ``cell_settings_layout()``, as steady as the limit.
+        With ``max_per_cell`` only: ``cell_settings_layout()``, steady from two clocks before a
+        frame's first window to its last.
     counted, strength
         With ``budget`` only: in this clock there is a corner that counts whatever T1 is, and its
         response.

@@ -91,8 +91,8 @@ class CellGrid(wiring.Component):
             Signal(range(MAX_CELL), name=f"{what}_{name}") for what in ("whole", "first", "left", "now")
         )
         # the first cell has less than the margin's pixels only if the margin is wider than a cell
-        inside = side - 1 - self._margin
-        m.d.sync += [whole.eq(side - 1), first.eq(Mux(side > self._margin, inside, inside + side))]
+        inside = Mux(whole >= self._margin, whole, (whole << 1) + 1) - self._margin
+        m.d.sync += [whole.eq(side - 1), first.eq(inside)]
         m.d.comb += now.eq(Mux(starts, first, left))
         with m.If(step):
             m.d.sync += left.eq(Mux(now == 0, whole, now - 1))

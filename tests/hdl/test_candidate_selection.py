@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from amaranth.hdl import Cat, Module, Signal
+from amaranth.hdl import Cat, Module, Mux, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.sim import Simulator
@@ -81,11 +81,11 @@ class InStep(wiring.Component):
         corners, surfaces = selection.corners, selection.surfaces
         joined = [corners, surfaces]
         centre, valid = self.i.payload, Signal()
-        # the grid takes a clock for new settings
-        pause = Signal(init=self._cells)
+        # the grid takes two clocks for new settings
+        pause = Signal(2, init=2 * self._cells)
         m.d.comb += [
-            valid.eq(self.i.valid & ~pause),
-            self.i.ready.eq(corners.ready & ~pause),
+            valid.eq(self.i.valid & (pause == 0)),
+            self.i.ready.eq(corners.ready & (pause == 0)),
             corners.payload.data.corner.eq(centre.corner),
             corners.payload.data.response.eq(centre.response),
             *(corners.payload.eol.eq(centre.eol), corners.payload.eof.eq(centre.eof)),
@@ -102,7 +102,7 @@ class InStep(wiring.Component):
         m.d.comb += [source.valid.eq(valid) for source in joined]
         # what ends a row of cells needs a clock, too
         ends = centre.eol if self._cells else centre.eof
-        m.d.sync += pause.eq(self.i.valid & self.i.ready & ends)
+        m.d.sync += pause.eq(Mux(self.i.valid & self.i.ready & ends, 1, pause >> 1))
         with m.If(Cat(corners.ready != source.ready for source in joined).any()):
             m.d.sync += self.broken.valid.eq(1)
         if self._budget:

@@ -103,6 +103,13 @@ CELLS = {
         "tests/hdl/test_cell_grid.py",
         "frames and amaranth",
     ),
+    "a first cell of one pixel is skipped": Mutation(
+        "hdl/cell_grid.py",
+        "whole >= self._margin",
+        "whole > self._margin",
+        "tests/hdl/test_cell_grid.py",
+        "frames and amaranth",
+    ),
     "the limit of a frame holds before cells choose": Mutation(
         "hdl/candidate_selection.py",
         "allowed.eq(chosen | ",
