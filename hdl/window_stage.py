@@ -20,7 +20,6 @@ from hdl.parts.circular_buffer import CircularBuffer
 from hdl.parts.nets import connect_by_name
 from hdl.parts.optional import optional
 from hdl.parts.stream import Beat
-from hdl.parts.stream_delay import StreamDelay
 from hdl.response_filter import ResponseFilter
 from hdl.sample import response_layout
 from hdl.step_layouts import reads_pixels, rows_kept
@@ -91,15 +90,6 @@ class WindowStage(wiring.Component):
         self.candidate_selection = CandidateSelection(p)
         self._choosing = p.max_per_cell > 0
         self._adaptation = optional(p.budget, adaptation=Adaptation(p))
-        latest = self._arrival(self.surface_fit)
-        waits = {"late corners": self.corner_detection}
-        for texture_filter in self.texture_filters.values():
-            waits["late textures"] = texture_filter
-        self._delays = {
-            name: StreamDelay(block.o.payload.shape(), latest - self._arrival(block))
-            for name, block in waits.items()
-            if self._arrival(block) < latest
-        }
         super().__init__(
             {
                 "samples": In(stream.Signature(Beat(sample))),
@@ -113,10 +103,6 @@ class WindowStage(wiring.Component):
             }
         )
 
-    def _arrival(self, block: Any) -> int:
-        """Clocks from a column to a block's result for the window that it completes."""
-        return int(block.latency) + (CentreRows.latency if self._is_behind(block) else 0)
-
     def _is_behind(self, block: Any) -> bool:
         """Does the block read what the centre rows deliver?"""
         return self.centre_rows is not None and block.reads == "centres"
@@ -125,12 +111,10 @@ class WindowStage(wiring.Component):
     def blocks(self) -> dict[str, Any]:
         """Those on one way through, each with a ``latency``."""
         behind = self._is_behind(self.corner_detection)
-        late = {name: delay for name, delay in self._delays.items() if name == "late corners"}
         return {
             "response buffer": self.response_buffer,
             **optional(behind, **{"centre rows": self.centre_rows}),
             "corner detection": self.corner_detection,
-            **late,
             "candidate selection": self.candidate_selection,
         }
 
@@ -147,7 +131,6 @@ class WindowStage(wiring.Component):
             **optional(read, **{"centre rows": self.centre_rows}),
             **self.texture_filters,
             "surface fit": self.surface_fit,
-            **self._delays,
             **self._adaptation,
         }
 
@@ -168,9 +151,10 @@ class WindowStage(wiring.Component):
             if hasattr(block, "centres"):
                 self._feed(m, block.centres, centres)
         self._limit(m)
-        self._deliver(m, "late corners", self.corner_detection.o, selection.corners)
+        # all of a window's results come in the same clock
+        wiring.connect(m, self.corner_detection.o, selection.corners)
         for block in self.texture_filters.values():
-            self._deliver(m, "late textures", block.o, selection.textures)
+            wiring.connect(m, block.o, selection.textures)
         wiring.connect(m, self.surface_fit.o, selection.surfaces)
         connect_by_name(m, wiring.flipped(self), selection)
         for adaptation in self._adaptation.values():
@@ -192,12 +176,6 @@ class WindowStage(wiring.Component):
             m.d.comb += [block.thresholds.valid.eq(1), block.thresholds.payload.eq(limits.payload)]
         if self._choosing:
             m.d.comb += self.candidate_selection.cells.eq(limits.payload.cells)
-
-    def _deliver(self, m: Module, name: str, found: Any, sink: Any) -> None:
-        if name in self._delays:
-            wiring.connect(m, found, self._delays[name].i)
-            found = self._delays[name].o
-        wiring.connect(m, found, sink)
 
     def _adapt(self, m: Module, adaptation: Adaptation) -> None:
         """Counts what goes into the candidate selection, and limits what comes out of it."""

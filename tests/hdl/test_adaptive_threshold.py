@@ -36,7 +36,6 @@ from tests.support.blocks import (
     noise,
     packed,
     raster,
-    run_block,
     same,
 )
 
@@ -138,16 +137,6 @@ def test_noise(kind: ResponseFilter, name: EngineName, stalls: Stalls) -> None:
     weights = [4, 0, 7, 1, 15, 2][: len(frames)]
     limits = [(between(frame, kind, weight), weight) for frame, weight in zip(frames, weights, strict=True)]
     check(kind, frames, limits, name, stalls)
-
-
-@pytest.mark.parametrize("radius", [2, 3])
-def test_centres_of_more_rows(radius: int) -> None:
-    """Columns as a larger radius of suppression needs them, which come later."""
-    frames = noise([(25, 30), (9, 9), (14, 9)], FULL)
-    limits = [(between(frame, "binomial", 4), 4) for frame in frames]
-    block = InStep, built("binomial").changed(fit="gradient", suppression=radius)
-    for stalls in (NO_STALLS, Stalls(inputs=0.3, outputs=0.4, seed=13)):
-        run_block(block, *streams("binomial", frames, limits), stalls=stalls)
 
 
 @both

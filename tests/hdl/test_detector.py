@@ -338,10 +338,14 @@ def test_end_of_frame_record() -> None:
     assert full.frame == 1 and full.maximum > 0
 
 
-@pytest.mark.parametrize("name", ["paper", "robust"])
-def test_small_frames_in_amaranths_simulator(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [("paper", {}), ("robust", {}), ("paper", {"texture": "mean"})],
+    ids=["paper", "robust", "adaptive threshold"],
+)
+def test_small_frames_in_amaranths_simulator(name: str, options: dict[str, str]) -> None:
     """Nothing is compiled: it takes two seconds to tell what a change of the sources does."""
-    parameters = Build.profile(name, max_width=32, max_height=32)
+    parameters = Build.profile(name, max_width=32, max_height=32, **options)
     frames = noisy(parameters, [(28, 32), (24, 20)], 1)
     result = simulate_frames(make_engine("amaranth", Detector(parameters)), frames, parameters)
     check(result, parameters, frames)

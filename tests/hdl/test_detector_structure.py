@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import pytest
 from amaranth.back import rtlil
@@ -30,9 +31,23 @@ def test_latency_is_the_sum_of_the_blocks(parameters: Parameters) -> None:
 
 @pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
 def test_what_moves_in_step_is_equally_long(parameters: Parameters) -> None:
+    """Nothing waits for a longer way: all of a window's results come in the same clock."""
     late = CentreRows.latency
     assert ResponseFilter.latency == late and AdaptiveThreshold.latency == TextureFilter.latency
     assert TextureFilter.latency == late + CornerDetection.latency == late + SurfaceFit.latency
+    stage = WindowStage(parameters)
+    assert len({arrival(stage, block) for block in results(stage)}) == 1
+
+
+def results(stage: WindowStage) -> list[Any]:
+    """The blocks whose results meet in the candidate selection."""
+    return [stage.corner_detection, stage.surface_fit, *stage.texture_filters.values()]
+
+
+def arrival(stage: WindowStage, block: Any) -> int:
+    """Clocks from a window's last column to the block's result."""
+    behind = stage.centre_rows is not None and block.reads == "centres"
+    return int(block.latency) + (CentreRows.latency if behind else 0)
 
 
 @pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())

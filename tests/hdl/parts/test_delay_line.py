@@ -3,17 +3,44 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from amaranth.hdl import Module, ShapeLike, Value
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
 
 from hdl.parts.delay_line import DelayLine
-from hdl.parts.stream_delay import StreamDelay
+from hdl.parts.stream import Pipeline
 from sim.engine import EngineName
 from sim.stimulus import Stalls
 from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, check_block
 
 BITS = 21
 """More than one memory is wide."""
+
+
+class StreamDelay(wiring.Component):
+    """A stream passed on through a delay line, some clocks later: 1 at least."""
+
+    def __init__(self, shape: ShapeLike, clocks: int) -> None:
+        self._shape = shape
+        self.latency = clocks
+        super().__init__({"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape))})
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        pipe = Pipeline(m, self.i, self.o)
+        # its last register stands by itself, because the line is block RAM and so far away
+        m.submodules.line = line = DelayLine(len(Value.cast(self.i.payload)), self.latency - 1)
+        m.d.comb += [
+            line.enable.eq(pipe.advance),
+            line.i.eq(self.i.payload),
+            Value.cast(self.o.payload).eq(pipe.register(line.o, "last")),
+            self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
+        ]
+        return m
 
 
 def check(clocks: int, name: EngineName, stalls: Stalls = NO_STALLS) -> None:

@@ -42,10 +42,10 @@ RECORDS = {
     ),
     "what the threshold leaves of a response is not reported": Mutation(
         "hdl/candidate_selection.py",
-        'texture.response if "response" in texture.shape().members else corner.response',
-        "corner.response",
+        "texture.response if given else response",
+        "response",
         "tests/hdl/test_detector.py",
-        "small_frames and robust",
+        "small_frames and adaptive",
     ),
     "a quotient goes on after its half": Mutation(
         "hdl/divider.py",
@@ -133,8 +133,8 @@ RECORDS = {
     ),
     "a frame ends a row early": Mutation(
         "hdl/frame_control.py",
-        "_clamped(self.height, self._parameters.max_height) - 2",
-        "_clamped(self.height, self._parameters.max_height) - 3",
+        "_clamped(self.height, least, self._parameters.max_height) - 2",
+        "_clamped(self.height, least, self._parameters.max_height) - 3",
         "tests/hdl/test_frame_control.py",
         "frames and amaranth",
     ),

@@ -103,11 +103,4 @@ WINDOWS = {
         "tests/hdl/test_detector_steps.py",
         "dense and lean",
     ),
-    "corners do not wait for their equations": Mutation(
-        "hdl/window_stage.py",
-        "latest - self._arrival(block))",
-        'latest - self._arrival(block) - (name == "late corners"))',
-        "tests/hdl/test_detector.py",
-        "small_frames and robust",
-    ),
 }
