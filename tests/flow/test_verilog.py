@@ -141,8 +141,10 @@ def test_detector_is_verilog_2001(tmp_path: Path) -> None:
     assert lint(text, tmp_path) == ""
 
 
-def test_detector_keeps_its_table_and_nothing_else() -> None:
-    assert len(initialised(emit_verilog(Build.profile("paper", **SMALL)))) == 1
+def test_detector_keeps_its_tables_and_nothing_else() -> None:
+    """Those of the square root and, in ``paper``, of reciprocals."""
+    for name, tables in (("paper", 2), ("robust", 1)):
+        assert len(initialised(emit_verilog(Build.profile(name, **SMALL)))) == tables
 
 
 def noise_at_power_on(text: str) -> tuple[str, int]:
