@@ -182,7 +182,7 @@ def test_no_record_depends_on_what_memories_held_at_power_on(tmp_path: Path, nam
     path.write_text(text)
     engine = make_engine("verilog", detector, verilog=path)
     settings = Settings(sigma1=0.01, report_rejected=True)
-    frames = [(photograph("camera")[230:262, 170 : 170 + width], settings) for width in (23, 40, 15)]
+    frames = [(photograph("camera")[100:132, 200 : 200 + width], settings) for width in (23, 40, 15)]
     model = StreamModel(parameters)
     expected = [model.process(*frame).records for frame in frames]
     assert sum(map(len, expected)) > 10
