@@ -29,7 +29,8 @@ def row(first_cell: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("profile", "buffering"), [("paper", "lean"), ("paper", "banked"), ("robust", "lean")]
+    ("profile", "buffering"),
+    [("paper", "lean"), ("paper", "banked"), ("robust", "lean"), ("precise", "lean")],
 )
 def test_synthesis_figures(profile: str, buffering: str) -> None:
     """Area and clock of the paper's size are those that are committed with the comparison page."""
