@@ -58,7 +58,7 @@ STALLS = {
 
 sizes = pytest.mark.parametrize("size", [(0, 0), (0, 64), (64, 0), (33, 47)])
 FULL_RATE = 15
-"""Least side of frames that never wait, and one more where pixels are smoothed.
+"""Least side of frames that never wait, and one more each time that pixels are smoothed.
 
 The settings of a smaller frame would come before those of the frame before it are taken.
 """
@@ -193,7 +193,7 @@ def test_one_pixel_per_clock(parameters: Parameters, size: tuple[int, int]) -> N
     Gradient steps take longer than corners of noise come: there it is faint noise without corners.
     """
     by_steps = parameters.algorithm.fit == "gradient"
-    least = FULL_RATE + (parameters.algorithm.pixel_passes > 0)
+    least = FULL_RATE + parameters.algorithm.pixel_passes
     narrowest = FULL_RATE_OF_STEPS if by_steps else least
     size = at_least((max(size[0], least), max(size[1], narrowest)), parameters)
     chosen = Settings.default(parameters, sigma1=0, sigma2=lenient(parameters))

@@ -32,7 +32,7 @@ no_steps = each("parameters", NO_STEPS, quick=("nine samples with budget, suppre
 def test_adaptation_never_makes_a_frame_wait(parameters: Parameters, size: tuple[int, int]) -> None:
     """The smallest frames without a pause: T1 is there before the next frame needs it."""
     # the settings of smaller frames wait for each other where pixels are smoothed
-    least = max(15 + (parameters.algorithm.pixel_passes > 0), parameters.algorithm.support)
+    least = max(15 + parameters.algorithm.pixel_passes, parameters.algorithm.support)
     height, width = (max(side, least) for side in size)
     aimed = Settings.default(parameters, sigma2=lenient(parameters), target_corners=2)
     result = run(parameters, [(noise(height, width, seed, parameters), aimed) for seed in range(8)])
