@@ -20,7 +20,7 @@ from tests.support.detectors import MIXTURES, engine, noise, run
 from tests.support.filters import lenient
 from tests.support.photographs import PHOTOGRAPHS, photograph
 
-ROBUST = Build.profile("robust", max_width=640, max_height=512, max_per_cell=8)
+ROBUST = Build.profile("robust", max_width=640, max_height=672, max_per_cell=8)
 CELLS = {name: parameters for name, parameters in MIXTURES.items() if parameters.max_per_cell}
 
 
