@@ -45,7 +45,7 @@ class Offset:
     clamped: NDArray[np.bool_]
     """The corner lies as far away as the limit or farther, along x or y.
 
-    By ``fit="gradient"``: its steps cannot be trusted, and this is the surface's peak.
+    By ``fit="gradient"``: its steps cannot be trusted; see :func:`gradient_steps`.
     """
     not_maximum: NDArray[np.bool_]
     """There is no maximum and, by ``fit="gradient"``, no step to trust either; dx and dy are 0."""

@@ -11,7 +11,7 @@ from amaranth.lib.wiring import In, Out
 from golden.adaptive_threshold import LEVEL_SHIFT
 from golden.formats import MEAN_WEIGHT_FRACTION_BITS, WINDOW_SIZE
 from golden.parameters import Parameters
-from hdl.centre_rows import centre_size
+from hdl.centre_rows import CENTRE_SIZE
 from hdl.parts.outgoing_column import outgoing_column
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.sample import response_layout, responses
@@ -38,7 +38,7 @@ class AdaptiveThreshold(wiring.Component):
     i
         Stream of ``Columns(response_layout(parameters), 9)``.
     centres
-        Stream of ``Columns(response_layout(parameters), centre_size(parameters))`` of S, as
+        Stream of ``Columns(response_layout(parameters), 3)`` of S, as
         :class:`hdl.centre_rows.CentreRows` or :class:`hdl.response_filter.ResponseFilter` makes it
         of ``i`` at the same time.
     thresholds
@@ -58,11 +58,10 @@ class AdaptiveThreshold(wiring.Component):
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
-        self._rows = centre_size(parameters)
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(response_layout(parameters), WINDOW_SIZE))),
-                "centres": In(stream.Signature(Columns(response_layout(parameters), self._rows))),
+                "centres": In(stream.Signature(Columns(response_layout(parameters), CENTRE_SIZE))),
                 "thresholds": In(stream.Signature(thresholds_layout(parameters))),
                 "o": Out(stream.Signature(Beat(self.verdict(parameters)))),
             }
@@ -118,17 +117,10 @@ class AdaptiveThreshold(wiring.Component):
         return total
 
     def _centre(self, pipe: Pipeline) -> Signal:
-        """S of the window's centre, at clock 3.
-
-        At clock 2 it is as many columns behind the newest as rows above.
-        """
-        reach = self._rows // 2
-        value = responses(self.centres.payload)[reach]
-        for k in range(reach):
-            value = pipe.register(
-                value, "centre_column" if k == 0 else f"centre_column_{k}", when=self.centres.valid
-            )
-        return pipe.register(value, "centre")
+        """S of the window's centre, at clock 3. At clock 2 it is one column behind the newest."""
+        middle = responses(self.centres.payload)[CENTRE_SIZE // 2]
+        column = pipe.register(middle, "centre_column", when=self.centres.valid)
+        return pipe.register(column, "centre")
 
 
 def _times(value: Value, weight: Value) -> Value:

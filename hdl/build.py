@@ -68,6 +68,11 @@ class Build(Parameters):
         False, "Start enabled, for designs that write no register; with the AXI or the Avalon edge."
     )
 
+    @property
+    def rows_late(self) -> int:
+        """Rows by which windows come later than with ``"lean"`` buffers: one for each buffer."""
+        return 0 if self.buffering == "lean" else self.algorithm.pixel_passes + 2
+
     @classmethod
     def profile(cls, name: str, **changes: Any) -> Self:
         """The named profile as it is built by default, with changes: see ``Parameters.profile``."""

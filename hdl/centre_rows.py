@@ -13,11 +13,8 @@ from hdl.parts.delay_line import DelayLine
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 from hdl.sample import response_layout, responses
 
-
-def centre_size(parameters: Parameters) -> int:
-    """Number of centre rows: three of D, or as many smoothed ones as the suppression needs."""
-    smoothed = parameters.algorithm.response_filter == "binomial"
-    return 2 * parameters.algorithm.suppression + 1 if smoothed else 3
+CENTRE_SIZE = 3
+"""Number of centre rows, of D or of a smoothed D."""
 
 
 class CentreRows(wiring.Component):
@@ -42,7 +39,7 @@ class CentreRows(wiring.Component):
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(response_layout(parameters), self._size))),
-                "o": Out(stream.Signature(Columns(response_layout(parameters), 3))),
+                "o": Out(stream.Signature(Columns(response_layout(parameters), CENTRE_SIZE))),
             }
         )
 

@@ -9,7 +9,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.parameters import Parameters
-from hdl.centre_rows import centre_size
+from hdl.centre_rows import CENTRE_SIZE
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 from hdl.pixel_filter import binomial
 from hdl.sample import response_layout, responses
@@ -19,8 +19,7 @@ class ResponseFilter(wiring.Component):
     """S (``golden.response_filter``) of the middle rows, in place of D.
 
     It is delayed, so that windows of both widths are complete in the same clock. It does what
-    :class:`hdl.centre_rows.CentreRows` does, in the same clocks, with S instead of D, and with
-    ``suppression`` r above 1 for as many rows and columns around each centre.
+    :class:`hdl.centre_rows.CentreRows` does, in the same clocks, with S instead of D.
 
         clock 1   a + 2b + c down the column
         clock 2   the same along the row: pairs of neighbours, and pairs of these
@@ -30,25 +29,24 @@ class ResponseFilter(wiring.Component):
     i
         Stream of ``Columns(response_layout(parameters), size)``, as high as the algorithm's window.
     o
-        Stream of ``Columns(response_layout(parameters), 2r + 1)``; rows are size - 2r - 1 positions
-        shorter.
+        Stream of ``Columns(response_layout(parameters), 3)``, rows size - 3 positions shorter.
     """
 
     latency = 2
 
     def __init__(self, parameters: Parameters) -> None:
-        self._rows, self._size = centre_size(parameters), parameters.algorithm.window_size
+        self._size = parameters.algorithm.window_size
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(response_layout(parameters), self._size))),
-                "o": Out(stream.Signature(Columns(response_layout(parameters), self._rows))),
+                "o": Out(stream.Signature(Columns(response_layout(parameters), CENTRE_SIZE))),
             }
         )
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
-        step, reach = pipe.valid & pipe.advance, self._rows // 2
+        step, reach = pipe.valid & pipe.advance, CENTRE_SIZE // 2
         window = WindowCounter(m, self._size - 2 * reach, step=step, eol=self.i.payload.eol)
         beat, rows = pipe.register(pipe.valid, "beat", reset=True), responses(self.i.payload)
         middle = self._size // 2

@@ -30,8 +30,7 @@ def rows_kept(build: Build) -> int:
     When a row of pixels begins, windows are complete down to a margin above it, or with ``banked``
     buffers some rows more; and a candidate's pixels lie within a margin.
     """
-    late = 0 if build.buffering == "lean" else 2 + build.algorithm.pixel_passes
-    needed = 2 * build.algorithm.margin + SPARE_ROWS + late
+    needed = 2 * build.algorithm.margin + SPARE_ROWS + build.rows_late
     return 1 << needed.bit_length()
 
 

@@ -7,7 +7,7 @@ from typing import Any
 from amaranth.hdl import Cat, Module, Value
 
 from golden.parameters import Parameters
-from hdl.centre_rows import centre_size
+from hdl.centre_rows import CENTRE_SIZE
 from hdl.corner_detection import Maxima, larger
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 from hdl.sample import response_layout, responses
@@ -19,8 +19,8 @@ class Suppression(Maxima):
     It does what :class:`hdl.corner_detection.CornerDetection` does behind
     :class:`hdl.centre_rows.CentreRows`, for r = ``suppression`` from 1 to 4, and in the same number
     of clocks for all of them; a window of 3x3 has no centre rows, and takes their clocks less. With
-    ``response_filter`` it takes the 2r+1 rows and columns of
-    :class:`hdl.response_filter.ResponseFilter`, and as many clocks as it needs.
+    ``response_filter``, where r is 1, it takes the columns of
+    :class:`hdl.response_filter.ResponseFilter`.
 
     Every column is reduced to two numbers: the largest of what its rows above and below the middle
     hold, and with the middle row's value, too. The latter wait for r columns, and a centre is
@@ -34,7 +34,7 @@ class Suppression(Maxima):
     -------
     i
         Stream of ``Columns(response_layout(parameters), size)``, as high as the algorithm's window;
-        behind a response filter, of ``Columns(response_layout(parameters), 2r + 1)``.
+        behind a response filter, of ``Columns(response_layout(parameters), 3)``.
     t1
         Stream of T1, one per frame, taken with the frame's last column.
     o
@@ -43,14 +43,11 @@ class Suppression(Maxima):
 
     def __init__(self, parameters: Parameters) -> None:
         if parameters.algorithm.response_filter == "binomial":
-            self.reads, self._size = "centres", centre_size(parameters)
-            self.latency = (2 * parameters.algorithm.suppression - 1).bit_length() + 2
-            sample = response_layout(parameters)
+            self.reads, self._size = "centres", CENTRE_SIZE
         else:
             self.reads, self._size = "columns", parameters.algorithm.window_size
-            self.latency = 5 if self._size > centre_size(parameters) else 3
-            sample = response_layout(parameters)
-        super().__init__(parameters, Columns(sample, self._size))
+        self.latency = 5 if self._size > CENTRE_SIZE else 3
+        super().__init__(parameters, Columns(response_layout(parameters), self._size))
 
     def elaborate(self, platform: Any) -> Module:
         m, r = Module(), self._parameters.algorithm.suppression

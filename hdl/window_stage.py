@@ -13,7 +13,7 @@ from golden.algorithm import ResponseFilter as ResponseFilterName
 from hdl.adaptation import Adaptation, adapted_layout
 from hdl.build import Build
 from hdl.candidate_selection import CandidateSelection, corner_flag_layout, pending_record_layout
-from hdl.centre_rows import CentreRows, centre_size
+from hdl.centre_rows import CENTRE_SIZE, CentreRows
 from hdl.corner_detection import CornerDetection
 from hdl.fits import candidate_layout
 from hdl.parts.circular_buffer import CircularBuffer
@@ -37,9 +37,9 @@ CENTRES: dict[ResponseFilterName, type[CentreRows] | type[ResponseFilter]] = {
 class WindowStage(wiring.Component):
     """Candidates out of samples.
 
-        samples ─ buffer N ─┬ texture filter ───────────────── (delay) ┐
-                            ├ centre rows ┬ corner detection ─ (delay) ┼ candidate selection
-                            └             └ surface fit ───────────────┘
+        samples ─ buffer N ─┬ texture filter ─────────────────┐
+                            ├ centre rows ┬ corner detection ─┼ candidate selection
+                            └             └ surface fit ──────┘
 
     N is the side of the algorithm's window. With ``response_filter`` the centre rows are smoothed
     ones; where N is 3, they are the columns themselves. With ``texture="mean"`` an adaptive
@@ -48,8 +48,7 @@ class WindowStage(wiring.Component):
     block says itself which columns it reads: all N rows, or the centre rows.
 
     The blocks between buffer and candidate selection move in step: all are ready whenever the
-    candidate selection is, and for each window all deliver in the same clock; those that take less
-    are delayed.
+    candidate selection is, and for each window all deliver in the same clock.
 
     With ``budget`` the adaptation counts what goes into the candidate selection.
 
@@ -83,7 +82,7 @@ class WindowStage(wiring.Component):
         block = TEXTURES[p.algorithm.texture]
         self.texture_filters: dict[str, Any] = {"texture filter": block(p)} if block else {}
         centres = CENTRES[p.algorithm.response_filter]
-        self.centre_rows = centres(p) if size > centre_size(p) else None
+        self.centre_rows = centres(p) if size > CENTRE_SIZE else None
         wide = p.algorithm.suppression > 1 or p.budget
         self.corner_detection = Suppression(p) if wide else CornerDetection(p)
         self.surface_fit = SurfaceFit(p)

@@ -61,10 +61,8 @@ class Overlay(wiring.Component):
     @property
     def depth(self) -> int:
         """Pixels that it holds."""
-        algorithm = self._build.algorithm
-        # each of the "banked" buffers reads a row late
-        late = {"lean": 0, "banked": algorithm.pixel_passes + 2}[self._build.buffering]
-        return (algorithm.margin + late) * self._build.max_width + _CLOCKS
+        rows = self._build.algorithm.margin + self._build.rows_late
+        return rows * self._build.max_width + _CLOCKS
 
     @property
     def memory_bits(self) -> int:
