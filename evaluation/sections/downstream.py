@@ -10,8 +10,9 @@ from evaluation.figures import Figures, Notify
 from evaluation.inputs.sources import Pair
 from evaluation.inputs.views import VIEWS
 from evaluation.methods.bootstrap import estimate, mean, median
-from evaluation.methods.detectors import USUAL, DetectionCache, Points
-from evaluation.methods.grouping import by_scene, parts_of, take
+from evaluation.methods.by_number import by_number
+from evaluation.methods.detectors import Points
+from evaluation.methods.grouping import by_scene
 from evaluation.methods.homographies import (
     AGREEMENT,
     FAILED,
@@ -71,28 +72,11 @@ def downstream(
     pairs: list[Pair], some: list[Entrant], numbers: tuple[int, ...], notify: Notify | None = None
 ) -> Figures:
     """``{number: {name: {part: figures}}}`` over these pairs."""
-    cache = DetectionCache()
-    found: dict[int, dict[str, list[Score]]] = {
-        number: {each.name: [] for each in some} for number in numbers
-    }
-    for done, pair in enumerate(pairs, start=1):
-        for each in some:
-            first, second = (
-                each.place(image, cache.corners(each.detector, image, USUAL, True))
-                for image in (pair.first, pair.second)
-            )
-            for count in numbers:
-                found[count][each.name].append(score(pair, first[:count], second[:count]))
-        if notify:
-            notify(done)
-    parts = parts_of(pairs)
-    return {
-        str(count): {
-            name: {part: summary(take(pairs, chosen), take(scores, chosen)) for part, chosen in parts.items()}
-            for name, scores in by_name.items()
-        }
-        for count, by_name in found.items()
-    }
+
+    def counted(pair: Pair, first: Points, second: Points, count: int) -> Score:
+        return score(pair, first[:count], second[:count])
+
+    return by_number(pairs, some, numbers, counted, summary, notify)
 
 
 def measure(material: Material) -> Figures:

@@ -7,20 +7,19 @@ from typing import Any, NamedTuple
 from evaluation.figures import Figures, Notify
 from evaluation.inputs.sources import Pair
 from evaluation.methods.bootstrap import estimate, mean, median
+from evaluation.methods.by_number import by_number
 from evaluation.methods.detectors import (
-    USUAL,
     WITHOUT,
-    DetectionCache,
     Detector,
     Fast,
     GoodFeaturesToTrack,
     Ours,
     Points,
 )
-from evaluation.methods.grouping import by_scene, parts_of, take
+from evaluation.methods.grouping import by_scene
 from evaluation.methods.homographies import matched_error
 from evaluation.methods.matching import TOLERANCE, visible
-from evaluation.methods.placing import APART
+from evaluation.methods.placing import APART, Entrant
 from evaluation.methods.spread import FastByGrid, OursByCells, covered
 from evaluation.presentation import plots as style
 from evaluation.presentation.modes import PARTS
@@ -78,25 +77,7 @@ def spread(
     pairs: list[Pair], some: list[Detector], numbers: tuple[int, ...], notify: Notify | None = None
 ) -> Figures:
     """``{number: {name: {part: figures}}}`` over these pairs."""
-    cache = DetectionCache()
-    found: dict[int, dict[str, list[Score]]] = {
-        number: {each.name: [] for each in some} for number in numbers
-    }
-    for done, pair in enumerate(pairs, start=1):
-        for each in some:
-            first, second = (cache.corners(each, image, USUAL, True) for image in (pair.first, pair.second))
-            for count in numbers:
-                found[count][each.name].append(score(pair, first, second, count))
-        if notify:
-            notify(done)
-    parts = parts_of(pairs)
-    return {
-        str(count): {
-            name: {part: summary(take(pairs, chosen), take(scores, chosen)) for part, chosen in parts.items()}
-            for name, scores in by_name.items()
-        }
-        for count, by_name in found.items()
-    }
+    return by_number(pairs, (Entrant(each.name, each) for each in some), numbers, score, summary, notify)
 
 
 def measure(material: Material) -> Figures:
