@@ -40,8 +40,8 @@ def groups_of(each: Figures) -> list[str]:
 
 
 def some(parts: Figures) -> bool:
-    """Whether there are corners enough to say anything."""
-    return (parts["all"]["corners"] or 0) >= FEWEST
+    """Whether there are corners enough to say anything; where none are counted, there are."""
+    return (parts["all"].get("corners", FEWEST) or 0) >= FEWEST
 
 
 def _rows(each: Figures, groups: list[str], measure: str, others: tuple[str, ...]) -> Iterator[list[str]]:

@@ -25,7 +25,7 @@ from evaluation.methods.homographies import (
 )
 from evaluation.methods.placing import APART, Entrant, entrants
 from evaluation.presentation import plots as style
-from evaluation.presentation.modes import PARTS
+from evaluation.presentation.modes import draw_parts
 from evaluation.presentation.numbers import figure, number
 from evaluation.presentation.table import Strong, Table
 from evaluation.sections.section import Material, Section
@@ -117,14 +117,7 @@ def plot(found: Figures) -> bytes:
     drawn = style.figure(0.24 * len(next(iter(numbers.values()))) + 1.2)
     panels = drawn.subplots(1, len(numbers), sharey=True, squeeze=False)[0]
     for axes, (count, by_name) in zip(panels, numbers.items(), strict=True):
-        style.rows(axes, list(by_name))
-        parts = [part for part in PARTS if part in next(iter(by_name.values()))]
-        for row, (name, each) in enumerate(by_name.items()):
-            for index, part in enumerate(parts):
-                place = row + (index - (len(parts) - 1) / 2) * 0.24
-                strong = name in style.INTEREST
-                style.point(axes, place, each[part]["error"], strong=strong, color=PARTS[part], label=part)
-        style.plain(axes)
+        draw_parts(axes, by_name, "error")
         axes.set_xscale("log")
         axes.set_xticks(_TICKS, [f"{tick:g}" for tick in _TICKS])
         axes.minorticks_off()

@@ -22,7 +22,7 @@ from evaluation.methods.matching import TOLERANCE, visible
 from evaluation.methods.placing import APART, Entrant
 from evaluation.methods.spread import FastByGrid, OursByCells, covered
 from evaluation.presentation import plots as style
-from evaluation.presentation.modes import PARTS
+from evaluation.presentation.modes import draw_parts
 from evaluation.presentation.numbers import figure
 from evaluation.presentation.table import Strong, Table
 from evaluation.sections import downstream, repeatability
@@ -119,14 +119,7 @@ def plot(found: Figures) -> bytes:
     drawn = style.figure(0.28 * len(by_name) + 1.2)
     texts = ("squares covered", "repeatability", "grid error, px (median)")
     for axes, name, text in zip(drawn.subplots(1, 3, sharey=True), MEASURES, texts, strict=True):
-        style.rows(axes, list(by_name))
-        parts = [part for part in PARTS if part in next(iter(by_name.values()))]
-        for row, (detector, each) in enumerate(by_name.items()):
-            for index, part in enumerate(parts):
-                place = row + (index - (len(parts) - 1) / 2) * 0.24
-                strong = detector in style.INTEREST
-                style.point(axes, place, each[part][name], strong=strong, color=PARTS[part], label=part)
-        style.plain(axes)
+        draw_parts(axes, by_name, name)
         axes.set_xlim(left=0)
         axes.set_xlabel(text)
     style.key(drawn, drawn.axes[0])
