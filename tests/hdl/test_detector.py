@@ -27,7 +27,17 @@ from sim.frames import (
 )
 from sim.stimulus import Stalls, Stimulus
 from tests.support.builds import each
-from tests.support.detectors import MIXTURES, PAPER, ROBUST, both_kinds, check, engine, noise, run
+from tests.support.detectors import (
+    MIXTURES,
+    PAPER,
+    ROBUST,
+    both_kinds,
+    check,
+    engine,
+    noise,
+    run,
+    run_with_reset,
+)
 from tests.support.filters import lenient
 from tests.support.photographs import PHOTOGRAPHS, photograph
 from tests.support.strategies import images, sigma2s, sigmas
@@ -290,19 +300,8 @@ def test_reset_in_mid_frame(cut: int, seed: int, name: str) -> None:
     """After a reset anywhere the next frames are as after power-on: first frame, frame number 0."""
     parameters = MIXTURES[name]
     broken, *frames = noisy(parameters, [(30, 40), (20, 25), (25, 20)], seed)
-    stalls = Stalls(0.2, 0.2, seed)
-    start = frame_stimulus([broken], parameters, stalls)
-    rest = frame_stimulus(frames, parameters, stalls)
-    pixels = np.concatenate([start.beats["i"][:cut], rest.beats["i"]])
-    levels = [*start.levels, *((beat + cut, values) for beat, values in rest.levels)]
-    capture = engine(parameters).run(Stimulus({"i": pixels}, levels, stalls, reset_after=cut), quiet=1000)
-
-    model = StreamModel(parameters)
-    expected = np.concatenate([model.process(*frame).records for frame in frames])
-    words = capture.outputs["o"][:, 0]
-    assert np.array_equal(words[len(words) - len(expected) :], expected)
+    before = run_with_reset(parameters, broken, frames, cut, seed)
     # and what came out before the reset is the beginning of the broken frame
-    before = words[: len(words) - len(expected)]
     assert np.array_equal(before, StreamModel(parameters).process(*broken).records[: len(before)])
 
 

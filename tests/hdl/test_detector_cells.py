@@ -13,10 +13,9 @@ from hypothesis import strategies as st
 
 from golden import Settings, StreamModel, decode
 from hdl.build import Build
-from sim.frames import frame_stimulus
-from sim.stimulus import Stalls, Stimulus
+from sim.stimulus import Stalls
 from tests.support.builds import each
-from tests.support.detectors import MIXTURES, engine, noise, run
+from tests.support.detectors import MIXTURES, noise, run, run_with_reset
 from tests.support.filters import lenient
 from tests.support.photographs import PHOTOGRAPHS, photograph
 
@@ -97,15 +96,5 @@ def test_a_reset_leaves_no_corner(cut: int, seed: int) -> None:
     parameters = MIXTURES["4-bit pixels"]
     some = settings_of(parameters, 8, 9, 1, sigma2=lenient(parameters))
     broken, *frames = [(noise(40, 40, seed + k, parameters), some) for k in range(3)]
-    stalls = Stalls(0.2, 0.2, seed)
-    start = frame_stimulus([broken], parameters, stalls)
-    rest = frame_stimulus(frames, parameters, stalls)
-    pixels = np.concatenate([start.beats["i"][:cut], rest.beats["i"]])
-    levels = [*start.levels, *((beat + cut, values) for beat, values in rest.levels)]
-    capture = engine(parameters).run(Stimulus({"i": pixels}, levels, stalls, reset_after=cut), quiet=1000)
-    model = StreamModel(parameters)
-    expected = np.concatenate([model.process(*frame).records for frame in frames])
-    words = capture.outputs["o"][:, 0]
-    assert np.array_equal(words[len(words) - len(expected) :], expected)
-    before = words[: len(words) - len(expected)]
+    before = run_with_reset(parameters, broken, frames, cut, seed)
     assert np.array_equal(before, StreamModel(parameters).cut(*broken, pixels=cut)[: len(before)])

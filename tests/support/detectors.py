@@ -13,8 +13,8 @@ from hdl.build import Build
 from hdl.detector import Detector
 from sim.engine import Engine
 from sim.engines import make_engine
-from sim.frames import Frame, SimulationResult, compare, simulate_frames, summarize
-from sim.stimulus import Stalls
+from sim.frames import Frame, SimulationResult, compare, frame_stimulus, simulate_frames, summarize
+from sim.stimulus import Stalls, Stimulus
 from tests.support.filters import selective
 from tests.support.profiles import ADAPTIVE_OPTIONS as ADAPTIVE
 
@@ -104,6 +104,26 @@ def run(parameters: Parameters, frames: list[Frame], stalls: Stalls | None = Non
     result = simulate_frames(engine(parameters), frames, parameters, stalls=stalls)
     check(result, parameters, frames)
     return result
+
+
+def run_with_reset(
+    parameters: Parameters, broken: Frame, frames: list[Frame], cut: int, seed: int
+) -> NDArray[np.uint64]:
+    """Simulate, under stalls, so many pixels of a frame, a reset, and frames; compare the latter.
+
+    Returns the records that came before the reset.
+    """
+    stalls = Stalls(0.2, 0.2, seed)
+    start = frame_stimulus([broken], parameters, stalls)
+    rest = frame_stimulus(frames, parameters, stalls)
+    pixels = np.concatenate([start.beats["i"][:cut], rest.beats["i"]])
+    levels = [*start.levels, *((beat + cut, values) for beat, values in rest.levels)]
+    capture = engine(parameters).run(Stimulus({"i": pixels}, levels, stalls, reset_after=cut), quiet=1000)
+    model = StreamModel(parameters)
+    expected = np.concatenate([model.process(*frame).records for frame in frames])
+    words = capture.outputs["o"][:, 0]
+    assert np.array_equal(words[len(words) - len(expected) :], expected)
+    return words[: len(words) - len(expected)]
 
 
 def check(result: SimulationResult, parameters: Parameters, frames: list[Frame]) -> None:
