@@ -65,7 +65,7 @@ class Algorithm:
         golden model only, because they do not recover even an exact paraboloid). ``"gradient"``
         goes on from the peak of ``"nine"``, by two steps to the point to which the gradients of an
         8x8 window around are orthogonal, and needs pixels beside the responses. Where the steps
-        cannot be trusted, it gives that peak.
+        cannot be trusted, it gives that peak, or where the first step leads.
     divider
         Quotients of the subpixel step. ``"table"``: by a table of reciprocals, as the paper has it,
         with an error below 1/128 pixel; ``"serial"``: a bit after the other, exact and rounded to

@@ -23,7 +23,8 @@ class Flag(IntFlag):
     CLAMPED = 1
     """The position is approximate: the peak was too far from its pixel, and was clamped.
 
-    By ``fit="gradient"``: its steps cannot be trusted; this is the peak of the response.
+    By ``fit="gradient"``: its steps cannot be trusted; this is the peak of the response, or where
+    the first step leads.
     """
 
     NOT_MAXIMUM = 2

@@ -162,11 +162,8 @@ class Frame:
 
     def encoded(self, corners: Candidates) -> Records:
         """(n,) records of these corners, in their order."""
-        algorithm = self.parameters.algorithm
-        before = algorithm.margin - algorithm.suppression
-        samples = _around(self.peaks, 3, corners.y - before, corners.x - before)
-        pixel_windows = _around(self.image, 2 * FIT_REACH[algorithm.fit] + 1, corners.y, corners.x)
-        offset = subpixel(samples, self.parameters, pixel_windows)
+        samples, pixels = self.surroundings(corners)
+        offset = subpixel(samples, self.parameters, pixels)
         return encode(corners.x, corners.y, corners.response, offset, ~corners.accepted)
 
     def records(self, limits: Thresholds, *, pixels: int | None = None) -> Records:

@@ -9,7 +9,7 @@ bits    corner record
         17 with signed gradients)
 61      CLAMPED: the peak lay half a pixel away or more in x or y and was
         clamped. By ``fit="gradient"``: its steps cannot be trusted; this is
-        the peak of the response
+        the peak of the response, or where the first step leads
 62      NOT_MAXIMUM: the fitted surface has no maximum and, by
         ``fit="gradient"``, its steps cannot be trusted; the offset is (0, 0)
 63      TEXTURED: rejected by the texture filter (only if those are reported)
