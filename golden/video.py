@@ -17,6 +17,11 @@ end of line too early         The frame is cut, and what follows is dropped up t
 end of line too late          The surplus is dropped, up to the end of line; the frame goes on.
 ============================  ====================================================================
 
+With several pixels per clock a beat holds as many places for pixels, *lanes*, and a line is a whole
+number of beats; lanes may be empty. The lanes of a line's last beat that the width leaves over are
+not looked at, except that pixels in them make the line too long. An empty lane anywhere else, also
+in the middle of a line, makes it too short. All that is dropped is counted in beats.
+
 A cut frame leaves nothing behind: the next frame's reference, and the corners that its T1 is
 adapted to, are those of the last *complete* frame.
 
@@ -28,6 +33,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from enum import IntFlag
+from itertools import chain
 
 import numpy as np
 
@@ -38,6 +44,11 @@ from golden.output_constructor import NO_LIMIT, FrameEnd, Records, encode_frame_
 from golden.parameters import Parameters
 from golden.preprocessing import Image
 from golden.settings import Settings
+
+Lanes = tuple[int | None, ...]
+"""The pixels of a beat, the first of them first; None where there is none."""
+VideoBeat = tuple[int | Lanes, bool, bool]
+"""Pixel or lanes; start of frame, with its first pixel; end of line, with its last."""
 
 
 class Event(IntFlag):
@@ -180,12 +191,14 @@ class Packet(ByValue):
 
 
 class VideoModel:
-    """The detector with its edges, fed pixel by pixel.
+    """The detector with its edges, fed beat by beat.
 
     Parameters
     ----------
     parameters
         The detector; ``TypeError`` if it is none.
+    pixels_per_clock
+        Lanes of a beat.
 
     Attributes
     ----------
@@ -196,9 +209,10 @@ class VideoModel:
         Number of corners since reset that cells, ``max_corners`` or ``max_records`` left out.
     """
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Parameters, pixels_per_clock: int = 1) -> None:
         check_type("parameters", parameters, Parameters)
         self.parameters = parameters
+        self._lanes = pixels_per_clock
         self._stream = StreamModel(parameters)
         self.reset()
 
@@ -211,7 +225,7 @@ class VideoModel:
         self._beats = self._begun = 0
         self._pixels: list[int] = []
         self._x = 0
-        # is a line's surplus being dropped; has a complete frame gone before; pixels dropped since
+        # is a line's surplus being dropped; has a complete frame gone before; beats dropped since
         self._surplus = self._after = False
         self._dropped = 0
 
@@ -225,13 +239,13 @@ class VideoModel:
         """The D that the last complete frame's target or rank asks for; None if it had neither."""
         return self._stream.history.adapted
 
-    def feed(self, beats: Iterable[tuple[int, bool, bool]], video: VideoSettings) -> list[Packet]:
+    def feed(self, beats: Iterable[VideoBeat], video: VideoSettings) -> list[Packet]:
         """Packets of the frames that end with these beats.
 
         Parameters
         ----------
         beats
-            ``(pixel, start of frame, end of line)`` each.
+            ``(pixel, start of frame, end of line)`` each; a tuple of pixels with several per clock.
         video
             Settings while these beats come.
 
@@ -243,10 +257,13 @@ class VideoModel:
         """
         check_type("video", video, VideoSettings)
         video.check(self.parameters)
-        beats = list(beats)
-        self._check_pixels([pixel for pixel, _, _ in beats])
+        lanes = [(given if isinstance(given, tuple) else (given,), sof, eol) for given, sof, eol in beats]
+        for pixels, _, _ in lanes:
+            check_integer("number of pixels in a beat", len(pixels), self._lanes, self._lanes)
+        together = chain.from_iterable(pixels for pixels, _, _ in lanes)
+        self._check_pixels([pixel for pixel in together if pixel is not None])
         packets = []
-        for beat in beats:
+        for beat in lanes:
             packets += self._feed(*beat, video)
             self._beats += 1
         return [replace(packet, timed=video.send_time) for packet in packets]
@@ -260,38 +277,50 @@ class VideoModel:
         for pixel in pixels:
             check_integer("pixel", pixel, 0, largest)
 
-    def _feed(self, pixel: int, sof: bool, eol: bool, video: VideoSettings) -> list[Packet]:
+    def _feed(self, pixels: Lanes, sof: bool, eol: bool, video: VideoSettings) -> list[Packet]:
         packets = []
         if self._now is not None and sof:
             self.events |= Event.SOF_EARLY
             packets.append(self._cut(self._now))
         if self._now is not None:
-            return packets + self._inside(pixel, eol, self._now)
+            return packets + self._inside(pixels, eol, self._now)
         if not sof or not video.enabled:
             self._between(eol, video)
             return packets
         self._now, self._begun = video, self._beats
-        self._pixels, self._x = [pixel], 1
+        self._pixels, self._x = [], 0
         self._surplus = self._after = False
-        return packets
+        # an end of line with a frame's very first beat is not looked at
+        return packets + self._inside(pixels, False, video)
 
-    def _inside(self, pixel: int, eol: bool, now: VideoSettings) -> list[Packet]:
+    def _inside(self, pixels: Lanes, eol: bool, now: VideoSettings) -> list[Packet]:
         if self._surplus:
             self._beyond_line(eol, now)
             return []
-        last = self._x == now.width - 1
-        if eol and not last and not now.ignore_eol:
+        last = self._x == self._beats_of(now) - 1
+        counting = self._lanes_left(now) if last else self._lanes
+        inside = [pixel for pixel in pixels[:counting] if pixel is not None]
+        if len(inside) < counting or (eol and not last and not now.ignore_eol):
             self.events |= Event.EOL_EARLY
             return [self._cut(now)]
-        self._pixels.append(pixel)
+        self._pixels += inside
         self._x = 0 if last else self._x + 1
-        if last and not eol and not now.ignore_eol:
+        beyond = any(pixel is not None for pixel in pixels[counting:])
+        if last and (beyond or not eol) and not now.ignore_eol:
             self.events |= Event.EOL_LATE
-            self._surplus = True
+            self._surplus = not eol
         if len(self._pixels) < now.width * now.height:
             return []
         self._after, self._dropped = True, 0
         return [self._complete(now)]
+
+    def _beats_of(self, now: VideoSettings) -> int:
+        """Beats of a line."""
+        return -(-now.width // self._lanes)
+
+    def _lanes_left(self, now: VideoSettings) -> int:
+        """Lanes of a line's last beat that count."""
+        return (now.width - 1) % self._lanes + 1
 
     def _between(self, eol: bool, video: VideoSettings) -> None:
         if not video.enabled:
@@ -304,16 +333,16 @@ class VideoModel:
         if self._after:
             self.events |= Event.SOF_LATE
         self._dropped += 1
-        if self._dropped == video.width * video.height:
+        if self._dropped == self._beats_of(video) * video.height:
             self.events |= Event.SOF_MISSING
             self._dropped = 0
 
     def _beyond_line(self, eol: bool, now: VideoSettings) -> None:
-        """A pixel after the last of its line."""
+        """A beat after the last of its line."""
         self._x += 1
         if eol:
             self._surplus, self._x = False, 0
-        elif self._x == now.width:
+        elif self._x == self._beats_of(now):
             self.events |= Event.EOL_MISSING
             self._x = 0
 
@@ -345,7 +374,7 @@ class VideoModel:
 
 
 def framed(image: Image, *, sof: bool = True, eol: bool = True) -> list[tuple[int, bool, bool]]:
-    """The beats ``(pixel, start of frame, end of line)`` of a well-formed frame.
+    """The beats ``(pixel, start of frame, end of line)`` of a well-formed frame, a pixel in each.
 
     ``sof`` or ``eol`` False: its start of frame or its ends of line are missing.
     """

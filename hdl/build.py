@@ -5,10 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal, Self
 
+from golden.checks import plain_integer
+from golden.formats import MAX_SIDE
 from golden.options import option
 from golden.parameters import Parameters
 
 Buffering = Literal["banked", "lean"]
+
+PIXELS_PER_CLOCK = (1, 2, 4, 8)
 
 BUILDS: dict[str, dict[str, Any]] = {
     "paper": {"buffering": "banked"},
@@ -26,6 +30,9 @@ class Build(Parameters):
 
     Parameters
     ----------
+    pixels_per_clock
+        Pixels that come in each clock, side by side: 1, 2, 4 or 8, called a beat. A row is a whole
+        number of beats; of its last one only the pixels that the width asks for count.
     buffering
         ``"banked"``: N+1 block RAMs per N×N window (Sec. 4.1); ``"lean"``: N-1 rows, one row
         sooner. Changes memory and delay, never a record.
@@ -48,6 +55,12 @@ class Build(Parameters):
         allowed.
     """
 
+    pixels_per_clock: int = option(
+        1,
+        "Pixels that come in each clock, side by side: 1, 2, 4 or 8.",
+        low=PIXELS_PER_CLOCK[0],
+        high=PIXELS_PER_CLOCK[-1],
+    )
     buffering: Buffering = option(
         "lean",
         "Line buffers of an NxN window: N+1 memories, as the paper has it, or N-1, with less delay.",
@@ -67,6 +80,28 @@ class Build(Parameters):
     autostart: bool = option(
         False, "Start enabled, for designs that write no register; with the AXI or the Avalon edge."
     )
+
+    def __post_init__(self) -> None:
+        if self.pixels_per_clock not in PIXELS_PER_CLOCK:
+            allowed = ", ".join(map(str, PIXELS_PER_CLOCK))
+            raise ValueError(f"pixels_per_clock is {self.pixels_per_clock!r}; allowed: {allowed}")
+        super().__post_init__()
+        plain_integer(self, "max_width", self.min_width, MAX_SIDE)
+
+    @property
+    def min_width(self) -> int:
+        """Narrowest frame: the algorithm's window, and with several pixels per clock a beat more.
+
+        Heights are from ``Algorithm.support``.
+        """
+        support, lanes = self.algorithm.support, self.pixels_per_clock
+        # line buffers need four beats
+        return support if lanes == 1 else max(support + lanes, 3 * lanes + 1)
+
+    @property
+    def beats(self) -> int:
+        """Beats of the widest row."""
+        return -(-self.max_width // self.pixels_per_clock)
 
     @property
     def rows_late(self) -> int:
