@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Signal
+from amaranth.hdl import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -16,6 +16,7 @@ from golden.output_constructor import RECORD_BITS
 from hdl.build import Build
 from hdl.edges.core import Core
 from hdl.edges.register import ADDRESS_BITS, DATA_BITS
+from hdl.parts.optional import optional
 
 VIDEO_PACKET = 0
 """Low four bits of the first beat of a packet with a frame's pixels; other packets are ignored."""
@@ -31,6 +32,10 @@ class AvalonCore(wiring.Component):
     next one begins too early. Frame sizes come from the registers; control packets and user packets
     are ignored.
 
+    With several pixels per clock the first symbol is in the highest bits, as Avalon-ST has it. Each
+    row begins with a beat of its own: a width that is no multiple leaves places at the end of each
+    row, of which only a packet's last can be called empty.
+
     Parameters
     ----------
     build
@@ -41,7 +46,7 @@ class AvalonCore(wiring.Component):
     Members
     -------
     asi_video_*
-        Avalon-ST Video, one colour plane, one pixel per beat.
+        Avalon-ST Video, one colour plane, a pixel per symbol.
     aso_records_*
         Records, a packet per frame.
     avs_registers_*
@@ -65,10 +70,13 @@ class AvalonCore(wiring.Component):
 
     def __init__(self, build: Build, *, detector: Any = None) -> None:
         self.check(build)
+        self._build = build
         self.core = Core(build, detector=detector, ends_of_line=False)
+        lanes = build.pixels_per_clock
         super().__init__(
             {
-                "asi_video_data": In(build.pixel_bits),
+                "asi_video_data": In(build.pixel_bits * lanes),
+                **optional(lanes > 1, asi_video_empty=In(range(lanes))),
                 "asi_video_valid": In(1),
                 "asi_video_ready": Out(1),
                 "asi_video_startofpacket": In(1),
@@ -103,16 +111,22 @@ class AvalonCore(wiring.Component):
         video = self.core.video
         pixels, first = Signal(), Signal()
         start = self.asi_video_startofpacket
+        bits, lanes = self._build.pixel_bits, self._build.pixels_per_clock
+        symbols = [self.asi_video_data.word_select(lanes - 1 - lane, bits) for lane in range(lanes)]
         m.d.comb += [
             self.asi_video_ready.eq(video.ready),
             video.valid.eq(self.asi_video_valid & pixels & ~start),
-            video.payload.pixel.eq(self.asi_video_data),
+            Value.cast(video.payload.pixel).eq(Cat(symbols)),
             video.payload.sof.eq(first),
         ]
+        if lanes > 1:
+            # places that the last beat of a packet leaves empty are those of its last symbols
+            empty = Mux(self.asi_video_endofpacket, self.asi_video_empty, 0)
+            m.d.comb += video.payload.keep.eq(Cat(empty < lanes - lane for lane in range(lanes)))
         with m.If(self.asi_video_valid & video.ready):
             m.d.sync += first.eq(start)
             with m.If(start):
-                m.d.sync += pixels.eq(self.asi_video_data[:PACKET_TYPE_BITS] == VIDEO_PACKET)
+                m.d.sync += pixels.eq(symbols[0][:PACKET_TYPE_BITS] == VIDEO_PACKET)
             with m.If(self.asi_video_endofpacket):
                 m.d.sync += pixels.eq(0)
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.hdl import Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.output_constructor import RECORD_BITS
 from hdl.build import Build
 from hdl.edges.core import Core
+from hdl.edges.frame_guard import last_byte
 from hdl.edges.register import ADDRESS_BITS, DATA_BITS
 from hdl.edges.register_bank import register_bus
 from hdl.parts.optional import optional
@@ -44,9 +45,9 @@ LITE = {
 }
 
 
-def byte_lanes(bits: int) -> int:
-    """Width of TDATA for so many bits: whole bytes, as AXI requires."""
-    return -(-bits // 8) * 8
+def byte_lanes(build: Build) -> int:
+    """Bytes of a TDATA that holds a beat of pixels: whole ones, as AXI requires."""
+    return -(-build.pixel_bits * build.pixels_per_clock // 8)
 
 
 class AxiLite(wiring.Component):
@@ -117,12 +118,15 @@ class AxiCore(wiring.Component):
     -------
     s_axis_*
         Video: a pixel in the low bits of TDATA, TUSER[0] with the first of a frame, TLAST with the
-        last of a line.
+        last of a line. With several pixels per clock the first is in the lowest bits, the others
+        follow without a gap, and TKEEP says which are there: those whose last bit is in a byte that
+        is kept.
     m_axis_*
         Records, TLAST with the end-of-frame record, which is the last of a frame.
     m_axis_video_*
         With ``video_out`` only: the pixels, TUSER[0] with the first of a frame, TUSER[1] where a
-        corner is, TLAST with the last of a line.
+        corner is, TLAST with the last of a line. With several pixels per clock a bit of TUSER for
+        each, from TUSER[1] up, and TKEEP.
     s_axil_*
         Registers, see ``hdl.edges.register_map``.
     irq
@@ -132,10 +136,12 @@ class AxiCore(wiring.Component):
     def __init__(self, build: Build, *, detector: Any = None) -> None:
         self._build = build
         self.core = Core(build, detector=detector)
-        pixels = byte_lanes(build.pixel_bits)
+        lanes, kept = build.pixels_per_clock, byte_lanes(build)
+        pixels = 8 * kept
         super().__init__(
             {
                 "s_axis_tdata": In(pixels),
+                **optional(lanes > 1, s_axis_tkeep=In(kept)),
                 "s_axis_tvalid": In(1),
                 "s_axis_tready": Out(1),
                 "s_axis_tuser": In(1),
@@ -149,9 +155,10 @@ class AxiCore(wiring.Component):
                     m_axis_video_tdata=Out(pixels),
                     m_axis_video_tvalid=Out(1),
                     m_axis_video_tready=In(1),
-                    m_axis_video_tuser=Out(2),
+                    m_axis_video_tuser=Out(1 + lanes),
                     m_axis_video_tlast=Out(1),
                 ),
+                **optional(build.video_out and lanes > 1, m_axis_video_tkeep=Out(kept)),
                 **{f"s_axil_{name}": member for name, member in LITE.items()},
                 "irq": Out(1),
             }
@@ -167,7 +174,7 @@ class AxiCore(wiring.Component):
             m.d.comb += inner.eq(port) if member.flow == In else port.eq(inner)
         m.d.comb += [
             core.video.valid.eq(self.s_axis_tvalid),
-            core.video.payload.pixel.eq(self.s_axis_tdata),
+            Value.cast(core.video.payload.pixel).eq(self.s_axis_tdata),
             core.video.payload.sof.eq(self.s_axis_tuser[0]),
             core.video.payload.eol.eq(self.s_axis_tlast),
             self.s_axis_tready.eq(core.video.ready),
@@ -177,6 +184,10 @@ class AxiCore(wiring.Component):
             core.records.ready.eq(self.m_axis_tready),
             self.irq.eq(core.irq),
         ]
+        lanes = self._build.pixels_per_clock
+        if lanes > 1:
+            ends = [last_byte(self._build, lane) for lane in range(lanes)]
+            m.d.comb += core.video.payload.keep.eq(Cat(self.s_axis_tkeep[byte] for byte in ends))
         if self._build.video_out:
             self._video_out(m, core.overlay)
         return m

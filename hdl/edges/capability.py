@@ -44,7 +44,7 @@ def capability(build: Build) -> Register:
     suppression = build.algorithm.suppression
     profiles = {algorithm: number for number, algorithm in enumerate(PROFILES.values(), 1)}
     fields = (
-        Field("pixels_per_clock", 0, 4, "Pixels per clock.", 1),
+        Field("pixels_per_clock", 0, 4, "Pixels per clock.", build.pixels_per_clock),
         Field("pixel_bits", 4, 4, "Width of a pixel.", build.pixel_bits),
         Field(
             "profile",

@@ -10,7 +10,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from hdl.build import Build
-from hdl.edges.frame_guard import video_layout
+from hdl.edges.frame_guard import arriving_layout
 from hdl.edges.register_bank import RegisterBank, register_bus
 from hdl.edges.video_detector import VideoDetector, output_members, report_members
 from hdl.edges.watchdog import Watchdog
@@ -45,7 +45,7 @@ class Core(wiring.Component):
         self.bank = RegisterBank(build)
         super().__init__(
             {
-                "video": In(stream.Signature(video_layout(build))),
+                "video": In(stream.Signature(arriving_layout(build))),
                 **output_members(build),
                 "bus": In(register_bus()),
                 "irq": Out(1),

@@ -4,18 +4,38 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Mux, Signal, unsigned
+from amaranth.hdl import Module, Mux, Signal, Value, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.video import Event
 from hdl.build import Build
+from hdl.parts.optional import optional
 from hdl.parts.probes import probe
 
 
+def pixel_shape(build: Build) -> Any:
+    """What comes in a clock: a pixel, or an array of several, the leftmost first."""
+    pixel, lanes = unsigned(build.pixel_bits), build.pixels_per_clock
+    return pixel if lanes == 1 else data.ArrayLayout(pixel, lanes)
+
+
 def video_layout(build: Build) -> data.StructLayout:
-    """A pixel with its framing: first of a frame, last of a line."""
-    return data.StructLayout({"pixel": unsigned(build.pixel_bits), "sof": 1, "eol": 1})
+    """A beat with its framing: first of a frame, last of a line."""
+    return data.StructLayout({"pixel": pixel_shape(build), "sof": 1, "eol": 1})
+
+
+def arriving_layout(build: Build) -> data.StructLayout:
+    """A beat as it comes; with several pixels per clock ``keep`` says which of them are there."""
+    lanes = build.pixels_per_clock
+    return data.StructLayout(
+        {"pixel": pixel_shape(build), **optional(lanes > 1, keep=lanes), "sof": 1, "eol": 1}
+    )
+
+
+def last_byte(build: Build, lane: int) -> int:
+    """The byte of a beat that holds the last bit of a lane's pixel."""
+    return ((lane + 1) * build.pixel_bits - 1) // 8
 
 
 def events_layout(*events: Event) -> data.StructLayout:
@@ -39,12 +59,16 @@ class FrameGuard(wiring.Component):
     A malformed frame raises ``cut``; then nothing is taken until ``resume`` answers. Pixels outside
     of frames are taken and dropped, so that they never hold up a source.
 
+    With several pixels per clock, a line's last beat must have the pixels that the width asks for,
+    and every other beat of a frame all of them. Places in the same byte as a line's last pixel are
+    not looked at: a source that says which bytes are there cannot leave them out.
+
     Members
     -------
     i
-        Stream of ``video_layout(build)``.
+        Stream of ``arriving_layout(build)``.
     o
-        Stream of ``video_layout(build)``: pixels of whole frames with correct framing.
+        Stream of ``video_layout(build)``: beats of whole frames with correct framing.
     width, height
         Size of the next frame, allowed by the detector; sampled with its first pixel.
     frame_width, frame_height
@@ -61,9 +85,9 @@ class FrameGuard(wiring.Component):
     active
         A frame is under way.
     taken
-        A pixel of a frame is taken.
+        A beat of a frame is taken.
     done
-        The last pixel of a frame is taken.
+        The last beat of a frame is taken.
     events
         ``events_layout(*GUARD_EVENTS)``.
     """
@@ -73,15 +97,14 @@ class FrameGuard(wiring.Component):
     def __init__(self, build: Build) -> None:
         self._build = build
         width, height = range(build.max_width + 1), range(build.max_height + 1)
-        least = build.algorithm.support
         super().__init__(
             {
-                "i": In(stream.Signature(video_layout(build))),
+                "i": In(stream.Signature(arriving_layout(build))),
                 "o": Out(stream.Signature(video_layout(build))),
                 "width": In(width),
                 "height": In(height),
-                "frame_width": Out(width, init=least),
-                "frame_height": Out(height, init=least),
+                "frame_width": Out(width, init=build.min_width),
+                "frame_height": Out(height, init=build.algorithm.support),
                 "enable": In(1),
                 "ignore_eol": In(1),
                 "restart": In(1),
@@ -97,7 +120,7 @@ class FrameGuard(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         sof, eol = self.i.payload.sof, self.i.payload.eol
-        # surplus: the last pixel of a line has been seen, but not its end of line; after: a
+        # surplus: the last beat of a line has been seen, but not its end of line; after: a
         # complete frame went before
         surplus, after = Signal(), Signal()
         row_end, last_row = Signal(), Signal()
@@ -107,10 +130,16 @@ class FrameGuard(wiring.Component):
             Signal(name=name) for name in ("start", "early", "short", "belongs", "beat", "free")
         )
         inside = self.active & ~surplus & ~sof
+        short_line = inside & eol & ~row_end & ~ignore_eol
+        late = too_long = inside & row_end & ~eol & ~ignore_eol
+        if self._build.pixels_per_clock > 1:
+            lacking, beyond = self._kept(m, row_end)
+            short_line |= (inside | start) & lacking
+            too_long = inside & row_end & (~eol | beyond) & ~ignore_eol & ~lacking
         m.d.comb += [
             start.eq(~self.active & sof & self.enable),
             early.eq(self.active & sof),
-            short.eq(inside & eol & ~row_end & ~ignore_eol),
+            short.eq(short_line),
             belongs.eq(start | (inside & ~short)),
             free.eq(~self.o.valid | self.o.ready),
             self.i.ready.eq(~self.cut & ~self.restart & ~early & (free | ~belongs)),
@@ -129,7 +158,6 @@ class FrameGuard(wiring.Component):
         with m.Elif(self.o.ready):
             m.d.sync += self.o.valid.eq(0)
 
-        late = inside & row_end & ~eol & ~ignore_eol
         with m.If(beat):
             with m.If(start):
                 m.d.sync += [self.active.eq(1), surplus.eq(0), after.eq(0)]
@@ -154,7 +182,7 @@ class FrameGuard(wiring.Component):
             events.sof_late.eq(between & after),
             events.sof_missing.eq(between & row & last_row),
             events.eol_early.eq(beat & short),
-            events.eol_late.eq(beat & late),
+            events.eol_late.eq(beat & too_long),
             events.eol_missing.eq(beat & ~start & surplus & row_end & ~eol),
         ]
         with m.If(self.restart):
@@ -173,19 +201,19 @@ class FrameGuard(wiring.Component):
         last_row: Signal,
         ignore_eol: Signal,
     ) -> Signal:
-        """Counts the place of the next pixel: in a frame, a line's surplus, or between frames.
+        """Counts the place of the next beat: in a frame, a line's surplus, or between frames.
 
-        All are counted alike, so that a surplus line or frame is noticed. Returns whether the pixel
+        All are counted alike, so that a surplus line or frame is noticed. Returns whether the beat
         is the last of a row.
         """
         build = self._build
-        x, y = Signal(range(build.max_width)), Signal(range(build.max_height))
-        # row and frame ends are known one pixel, and one row, ahead, so that they are registers
-        least = build.algorithm.support
-        last_but_one_x, last_but_one_y = (Signal.like(place, init=least - 2) for place in (x, y))
+        x, y = Signal(range(build.beats)), Signal(range(build.max_height))
+        # row and frame ends are known one beat, and one row, ahead, so that they are registers
+        last_but_one_x = Signal.like(x, init=-(-build.min_width // build.pixels_per_clock) - 2)
+        last_but_one_y = Signal.like(y, init=build.algorithm.support - 2)
         with m.If(~self.active):
             m.d.sync += [
-                last_but_one_x.eq(self.width - 2),
+                last_but_one_x.eq(self._beats(self.width) - 2),
                 last_but_one_y.eq(self.height - 2),
                 ignore_eol.eq(self.ignore_eol),
             ]
@@ -211,3 +239,29 @@ class FrameGuard(wiring.Component):
         with m.Elif((~self.active & ~self.enable) | self.cut | self.restart):
             m.d.sync += [x.eq(0), y.eq(0), row_end.eq(0), last_row.eq(0)]
         return row
+
+    def _beats(self, width: Value) -> Value:
+        """Beats of a line of so many pixels."""
+        lanes = self._build.pixels_per_clock
+        return width if lanes == 1 else (width + lanes - 1)[lanes.bit_length() - 1 :]
+
+    def _kept(self, m: Module, row_end: Signal) -> tuple[Value, Value]:
+        """Whether a beat lacks a pixel, and whether a line's last one has pixels to spare.
+
+        A beat that starts a frame is no line's last.
+        """
+        lanes, keep = self._build.pixels_per_clock, self.i.payload.keep
+        needed, beyond = Signal(lanes), Signal(lanes)
+        last = (self.width - 1)[: lanes.bit_length() - 1]
+        ends = [last_byte(self._build, lane) for lane in range(lanes)]
+        with m.If(~self.active), m.Switch(last):
+            for lane in range(lanes):
+                with m.Case(lane):
+                    spare = [end > ends[lane] for end in ends]
+                    m.d.sync += [
+                        needed.eq((2 << lane) - 1),
+                        beyond.eq(sum(1 << k for k in range(lanes) if spare[k])),
+                    ]
+        probe(self, needed=needed, beyond=beyond)
+        spared = Mux(row_end & self.active, ~needed, 0)
+        return ~(keep | spared).all(), (keep & beyond).any()

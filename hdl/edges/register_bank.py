@@ -154,10 +154,10 @@ class RegisterBank(wiring.Component):
 
     def _sizes(self, m: Module, written: dict[str, Signal]) -> None:
         """Sizes are checked before they are stored, all fields of a register together."""
-        build, support = self._build, self._build.algorithm.support
+        build = self._build
         size = self._given("SIZE")
-        good = _within(size["width"], support, build.max_width) & _within(
-            size["height"], support, build.max_height
+        good = _within(size["width"], build.min_width, build.max_width) & _within(
+            size["height"], build.algorithm.support, build.max_height
         )
         stored, refused = self._store(m, "SIZE", written, good)
         if build.max_per_cell:

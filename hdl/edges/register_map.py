@@ -90,7 +90,7 @@ def _about(build: Build) -> tuple[Register, ...]:
 
 def _control(build: Build) -> tuple[Register, ...]:
     events = [(str(event.name).lower(), event.bit_length() - 1, event) for event in Event]
-    least = build.algorithm.support
+    least, least_width = build.algorithm.support, build.min_width
     return (
         Register(
             "CONTROL",
@@ -148,7 +148,7 @@ def _control(build: Build) -> tuple[Register, ...]:
             "SIZE",
             0x1C,
             "rw",
-            f"Frame size, {least}x{least} to {build.max_width}x{build.max_height}. "
+            f"Frame size, {least_width}x{least} to {build.max_width}x{build.max_height}. "
             "All four bytes must be written at once.",
             (
                 Field("width", 0, 16, PIXELS, build.max_width),

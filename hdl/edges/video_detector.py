@@ -16,7 +16,7 @@ from hdl.adaptation import adapted_layout
 from hdl.build import Build
 from hdl.detector import Detector
 from hdl.edges.frame_clock import FrameClock
-from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard, events_layout, video_layout
+from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard, arriving_layout, events_layout
 from hdl.edges.overlay import Overlay, overlay_layout
 from hdl.edges.packet_constructor import PACKET_EVENTS, PacketConstructor, results_layout
 from hdl.output_constructor import record_layout
@@ -110,7 +110,7 @@ class VideoDetector(wiring.Component):
     Members
     -------
     video
-        Stream of ``video_layout(build)``. Its ready is a register.
+        Stream of ``arriving_layout(build)``. Its ready is a register.
     control
         ``control_layout(build)``.
     records
@@ -137,7 +137,7 @@ class VideoDetector(wiring.Component):
 
     def __init__(self, build: Build, *, detector: Any = None) -> None:
         self._build = build
-        self._skid = SkidBuffer(video_layout(build), closed_in_reset=True)
+        self._skid = SkidBuffer(arriving_layout(build), closed_in_reset=True)
         self._guard = FrameGuard(build)
         self._detector = detector or Detector(build)
         self._packets = PacketConstructor(counts_found=build.counts_found)
@@ -145,7 +145,7 @@ class VideoDetector(wiring.Component):
         self._clock = FrameClock(self._most_inside + 3)
         super().__init__(
             {
-                "video": In(stream.Signature(video_layout(build))),
+                "video": In(stream.Signature(arriving_layout(build))),
                 "control": In(control_layout(build), init=initial_control(build)),
                 **output_members(build),
                 **report_members(build),

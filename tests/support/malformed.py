@@ -9,10 +9,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from golden.preprocessing import Image
-from golden.video import framed
+from golden.video import Lanes, framed
 
 Beats = list[tuple[int, bool, bool]]
 """(pixel, start of frame, end of line)"""
+
+LaneBeats = list[tuple[Lanes, bool, bool]]
+"""The same with the pixels of a beat, None where there is none."""
 
 Random = np.random.Generator
 
@@ -92,6 +95,35 @@ FAULTS: dict[str, Fault] = {
         noise_marks,
     )
 }
+
+
+def packed(beats: Beats, lanes: int) -> LaneBeats:
+    """Several pixels to a beat; a start of frame begins one, and an end of line ends one."""
+    groups: list[Beats] = []
+    for pixel, sof, eol in beats:
+        full = not groups or len(groups[-1]) == lanes or groups[-1][-1][2]
+        if full or sof:
+            groups.append([])
+        groups[-1].append((pixel, sof, eol))
+    return [
+        (
+            (*(pixel for pixel, _, _ in group), *[None] * (lanes - len(group))),
+            group[0][1],
+            group[-1][2],
+        )
+        for group in groups
+    ]
+
+
+def hollow(beats: LaneBeats, random: Random, most: int = 1) -> LaneBeats:
+    """Some of the beats lack some of their pixels, or have more than they should."""
+    beats = list(beats)
+    for _ in range(int(random.integers(1, most + 1))):
+        place = int(random.integers(len(beats)))
+        pixels, sof, eol = beats[place]
+        kept = random.integers(2, size=len(pixels))
+        beats[place] = (tuple(9 if k else None for k in kept), sof, eol)
+    return beats
 
 
 @dataclass

@@ -12,7 +12,7 @@ from amaranth.lib.wiring import In, Out
 from golden import Parameters
 from golden.output_constructor import COUNT_BITS, Records
 from golden.video import NO_LIMIT
-from hdl.edges.frame_guard import video_layout
+from hdl.edges.frame_guard import arriving_layout
 from hdl.edges.overlay import overlay_layout
 from hdl.edges.video_detector import VideoDetector
 from hdl.output_constructor import record_layout
@@ -29,7 +29,7 @@ class PlainVideoDetector(wiring.Component):
         self.dut = VideoDetector(p)
         super().__init__(
             {
-                "video": In(stream.Signature(video_layout(p))),
+                "video": In(stream.Signature(arriving_layout(p))),
                 "records": Out(stream.Signature(record_layout())),
                 **({"overlay": Out(stream.Signature(overlay_layout(p)))} if p.video_out else {}),
                 "enable": In(1, init=1),

@@ -22,6 +22,7 @@ BUILDS = {
         "paper", pixel_bits=10, max_width=15, max_height=8192, fit="six", patches="pixels", autostart=True
     ),
     "cells": Build.profile("robust", budget=True, max_per_cell=9, min_cell_width=17),
+    "lanes": Build.profile("paper", pixels_per_clock=8, max_width=1919),
 }
 builds = pytest.mark.parametrize("parameters", BUILDS.values(), ids=BUILDS.keys())
 SMALL = Build.profile("paper", max_width=40, max_height=30)
@@ -64,6 +65,7 @@ def test_texts_say_what_was_built() -> None:
     smoothed = registers(BUILDS["smoothed"])
     assert smoothed["SIGMA2"].text.endswith("changes nothing without a texture filter.")
     assert smoothed["SIZE"].text.startswith("Frame size, 13x13 to 13x1080.")
+    assert registers(BUILDS["lanes"])["SIZE"].text.startswith("Frame size, 25x15 to 1919x1080.")
     assert "less SIGMA2 times the local level" in robust["SIGMA1"].text
     assert "local level" not in paper["SIGMA1"].text
     for built, limits in (
@@ -86,6 +88,7 @@ def test_capability() -> None:
     assert known["paper"] == 1 | 8 << 4 | 1 << 15 | 1 << 16
     assert known["robust"] == 1 | 8 << 4 | 0b1110011 << 8 | 2 << 16 | 1 << 19 | 1 << 21
     assert known["smoothed"] == 1 | 8 << 4 | 1 << 15 | 1 << 19 | 1 << 26
+    assert known["lanes"] == 8 | 8 << 4 | 1 << 15 | 1 << 16
     assert known["odd"] == 1 | 10 << 4 | 0b10001100 << 8
     assert registers(BUILDS["odd"])["CONTROL"].reset == 1 and registers()["CONTROL"].reset == 0
     assert registers()["ID"].reset == IDENTITY == 0x434F524E
@@ -179,6 +182,18 @@ def test_size_out_of_range_is_refused_and_said() -> None:
         assert bus.read("SIZE") == 15 | 15 << 16 and bus.read("STATUS") == Event.SIZE_CHANGED
 
     with_bank(SMALL, bench)
+
+
+def test_the_narrowest_frame_is_a_beat_wider_with_several_pixels_per_clock() -> None:
+    async def bench(context: Any, dut: RegisterBank, bus: Bus) -> None:
+        for width, height, good in ((24, 15, False), (25, 14, False), (25, 15, True), (1919, 15, True)):
+            before = bus.read("SIZE")
+            await bus.write("SIZE", width | height << 16)
+            assert bus.read("SIZE") == (width | height << 16 if good else before)
+            assert bus.read("STATUS") == (0 if good else Event.SIZE_REFUSED)
+            await bus.write("STATUS", Event.SIZE_REFUSED)
+
+    with_bank(BUILDS["lanes"], bench)
 
 
 def test_cells_out_of_range_are_refused_and_said() -> None:
