@@ -45,9 +45,17 @@ def pending_record_layout(parameters: Parameters) -> data.StructLayout:
     )
 
 
-def corner_flag_layout() -> data.StructLayout:
-    """Is a window's centre an accepted corner; is the window the last of its row, of its frame."""
-    return data.StructLayout({"corner": 1, "eol": 1, "eof": 1})
+def corner_flag_layout(build: Build) -> data.StructLayout:
+    """Which pixels are accepted corners.
+
+    With one pixel per clock one flag for each window: is its centre a corner; is it the last of its
+    row, of its frame. With several one for each accepted corner, with the column of its pixel, and
+    one without ``corner`` behind the last verdict of each row of windows, with ``eof`` behind that
+    of a frame. They come in raster order.
+    """
+    if build.pixels_per_clock == 1:
+        return data.StructLayout({"corner": 1, "eol": 1, "eof": 1})
+    return data.StructLayout({"x": PIXEL_COORDINATE_BITS, "corner": 1, "eof": 1})
 
 
 CORNER_FLAGS = 16
@@ -103,7 +111,7 @@ class CandidateSelection(wiring.Component):
         Largest response of the frame so far. From the clock after a frame's last window until the
         next frame's first, it is that of the whole frame.
     corner_flags
-        With ``video_out`` only: stream of ``corner_flag_layout()``, one for every window.
+        With ``video_out`` only: stream of ``corner_flag_layout(parameters)``, one for every window.
     max_corners, rank
         With ``budget`` only: the limit, and whether textured peaks are counted, too; steady from
         before a frame's first window to its last.
@@ -132,7 +140,9 @@ class CandidateSelection(wiring.Component):
                 "pending": Out(stream.Signature(pending_record_layout(parameters))),
                 "last": Out(1),
                 "largest": Out(parameters.response_bits),
-                **optional(parameters.video_out, corner_flags=Out(stream.Signature(corner_flag_layout()))),
+                **optional(
+                    parameters.video_out, corner_flags=Out(stream.Signature(corner_flag_layout(parameters)))
+                ),
                 **optional(
                     parameters.budget,
                     max_corners=In(BUDGET_BITS),
@@ -277,7 +287,7 @@ class CandidateSelection(wiring.Component):
 
     def _corner_flags(self, m: Module, step: Signal, allowed: Value) -> Value:
         """A corner flag of every window into a queue of its own; returns whether that has room."""
-        m.submodules.corner_flags = flags = Queue(corner_flag_layout(), CORNER_FLAGS)
+        m.submodules.corner_flags = flags = Queue(corner_flag_layout(self._parameters), CORNER_FLAGS)
         wiring.connect(m, flags.o, wiring.flipped(self.corner_flags))
         corner = self.corners.payload.data.corner & ~self._verdict.textured
         m.d.comb += [

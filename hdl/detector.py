@@ -61,7 +61,7 @@ class Detector(wiring.Component):
         Stream of ``record_layout()``: the frame's corners in raster order, or in that of
         ``golden.cell_selection``, then its end-of-frame record.
     corner_flags
-        With ``video_out`` only: stream of ``corner_flag_layout()``, one for each pixel that can be
+        With ``video_out`` only: stream of ``corner_flag_layout(parameters)``, one for each pixel that can be
         a corner.
     found
         With ``budget`` or ``max_per_cell`` only: corners of the frame whose end-of-frame record is
@@ -87,7 +87,7 @@ class Detector(wiring.Component):
                 "height": In(range(p.max_height + 1)),
                 **settings_members(p),
                 "o": Out(stream.Signature(record_layout())),
-                **optional(p.video_out, corner_flags=Out(stream.Signature(corner_flag_layout()))),
+                **optional(p.video_out, corner_flags=Out(stream.Signature(corner_flag_layout(p)))),
                 **optional(p.counts_found, found=Out(COUNT_BITS)),
                 **optional(
                     p.budget,

@@ -97,7 +97,7 @@ class WindowStage(wiring.Component):
                 **optional(reads_pixels(p), picked=Out(1), row=Out(range(2 * rows_kept(p)))),
                 "pending": Out(stream.Signature(pending_record_layout(p))),
                 "largest": Out(p.response_bits),
-                **optional(p.video_out, corner_flags=Out(stream.Signature(corner_flag_layout()))),
+                **optional(p.video_out, corner_flags=Out(stream.Signature(corner_flag_layout(p)))),
                 **optional(p.budget, adapted=Out(adapted), adapting=Out(1), history=In(adapted)),
             }
         )

@@ -37,7 +37,7 @@ class Overlay(wiring.Component):
     i
         Stream of ``video_layout(build)``: pixels of whole frames.
     corner_flags
-        Stream of ``corner_flag_layout()``.
+        Stream of ``corner_flag_layout(build)``.
     restart
         Forgets all but a beat at the output.
     o
@@ -51,7 +51,7 @@ class Overlay(wiring.Component):
         super().__init__(
             {
                 "i": In(stream.Signature(video_layout(build))),
-                "corner_flags": In(stream.Signature(corner_flag_layout())),
+                "corner_flags": In(stream.Signature(corner_flag_layout(build))),
                 "restart": In(1),
                 "o": Out(stream.Signature(overlay_layout(build))),
                 "done": Out(1),
