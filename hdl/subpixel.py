@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Mux, Signal, Value, signed
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value, signed
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -14,7 +14,7 @@ from golden.derivatives import Derivatives
 from golden.divider import quotient_bits
 from golden.parameters import Parameters
 from golden.subpixel import FITS, derivative_bits
-from hdl.dividers import DIVIDERS
+from hdl.dividers import make_divider
 from hdl.fits import solved_formats, solved_layout
 from hdl.parts.arithmetic import add_with_carry
 from hdl.parts.optional import optional
@@ -41,6 +41,9 @@ class Subpixel(wiring.Component):
         matter.
     mantissa_bits
         Bits of a mantissa; by default those of ``golden.subpixel.FITS``.
+    bits_per_clock
+        Places that derivatives are shifted by, and bits of a mantissa that are multiplied, in each
+        clock: 1 or 2.
 
     Members
     -------
@@ -52,14 +55,22 @@ class Subpixel(wiring.Component):
         With the gradient step only: a bit that goes with a candidate, and comes with its offset.
     """
 
-    def __init__(self, parameters: Parameters, mantissa_bits: int | None = None) -> None:
+    def __init__(
+        self, parameters: Parameters, mantissa_bits: int | None = None, bits_per_clock: int = 1
+    ) -> None:
         self.surface_formats = SurfaceFit.formats(parameters)
         self._fit = parameters.algorithm.fit
         self._formats = solved_formats(parameters)
         golden_fit = FITS[parameters.algorithm.fit]
         self._mantissa_bits = mantissa_bits or golden_fit.mantissa_bits
         self._shifts = max(derivative_bits(parameters) - self._mantissa_bits, 0)
-        self._divider = DIVIDERS[parameters.algorithm.divider](self._mantissa_bits, golden_fit.limit)
+        self._per_clock = bits_per_clock
+        self._shift_clocks = -(-self._shifts // bits_per_clock)
+        # a mantissa's sign is multiplied, too
+        self._products = -(-(self._mantissa_bits + 1) // bits_per_clock)
+        self._divider = make_divider(
+            parameters.algorithm.divider, self._mantissa_bits, golden_fit.limit, bits_per_clock
+        )
         super().__init__(
             {
                 "i": In(stream.Signature(solved_layout(parameters))),
@@ -74,7 +85,9 @@ class Subpixel(wiring.Component):
     @property
     def interval(self) -> int:
         """Clocks from one candidate to the next."""
-        return 1 + max(self._shifts, self._mantissa_bits + 2, self._divider.clocks)
+        # what a clock adds is a register, or two one after the other, before it is taken in
+        multiply = self._products + self._per_clock
+        return 1 + max(self._shift_clocks, multiply, self._divider.clocks)
 
     @property
     def latency(self) -> int:
@@ -122,15 +135,23 @@ class Subpixel(wiring.Component):
         """Shifts until the largest derivative is at the top: sign and the bit below it differ."""
         bits = self._shifts + self._mantissa_bits + 1
         values, normal, shifting = [], Signal(), Signal()
-        m.d.sync += shifting.eq((move & (self._shifts > 0)) | (phase < self._shifts - 1))
+        m.d.sync += shifting.eq((move & (self._shifts > 0)) | (phase < self._shift_clocks - 1))
+        by_one = Signal() if self._per_clock == 2 else None
         for name, form in self._formats._asdict().items():
             value = Signal(signed(bits), name=name, reset_less=True)
             with m.If(move):
                 m.d.sync += value.eq(self.i.payload[name] << form.zeros)
             with m.Elif(shifting & ~normal):
-                m.d.sync += value.eq(value << 1)
+                m.d.sync += value.eq(value << 1 if by_one is None else Mux(by_one, value << 1, value << 2))
             values.append(value)
         m.d.comb += normal.eq(Cat(*(value[-1] ^ value[-2] for value in values)).any())
+        if by_one is not None:
+            # one place is enough, or is all that an odd number of them leaves for the last clock
+            last = Signal()
+            if self._shifts % 2:
+                first = self._shift_clocks == 1
+                m.d.sync += last.eq(move if first else phase == self._shift_clocks - 2)
+            m.d.comb += by_one.eq(last | Cat(*(value[-2] ^ value[-3] for value in values)).any())
         return Derivatives(*(value[self._shifts :].as_signed() for value in values))
 
     def _multiply(
@@ -140,7 +161,7 @@ class Subpixel(wiring.Component):
 
         They are added up by the bits of yy, xx and xy, from the lowest to the sign.
         """
-        bits = self._mantissa_bits
+        bits, count = self._mantissa_bits, self._per_clock
         factors = {}
         for name in ("yy", "xy", "x", "y"):
             factors[name] = Signal(signed(bits + 1), name=f"{name}_factor", reset_less=True)
@@ -151,25 +172,29 @@ class Subpixel(wiring.Component):
             m.d.sync += [signal.eq(getattr(mantissas, name)) for name, signal in factors.items()]
             m.d.sync += [signal.eq(getattr(mantissas, name)) for name, signal in scanned.items()]
         with m.Else():
-            m.d.sync += [signal.eq(signal >> 1) for signal in scanned.values()]
+            m.d.sync += [signal.eq(signal >> count) for signal in scanned.values()]
 
         active, sign = Signal(), Signal()
         # what a bit adds is a register, taken in a clock later
-        m.d.sync += [sign.eq(phase == bits - 1), active.eq(phase <= bits)]
+        m.d.sync += [sign.eq(phase == bits // count - 1), active.eq(phase <= self._products - 1)]
         results = {}
         for name, first, factor, second in (
             ("x", "yy", "x", "y"),
             ("y", "xx", "y", "x"),
             ("denominator", "xx", "yy", "xy"),
         ):
-            # the sign bit of xy counts negative; xx and yy have none where the result is used
-            subtract = ~sign if name == "denominator" else sign
-            added = factors[factor].as_unsigned() & scanned[first][0].replicate(bits + 1)
-            other = factors[second].as_unsigned() & scanned["xy"][0].replicate(bits + 1)
-            other ^= subtract.replicate(bits + 1)
-            both = Signal(signed(bits + 2), name=f"{name}_both", reset_less=True)
-            m.d.sync += both.eq(add_with_carry(added.as_signed(), other.as_signed(), subtract))
-            results[name] = _accumulate(m, both, bits, name, clear=move, enable=active)
+            terms = []
+            for k, suffix in enumerate(("", "_above")[:count]):
+                # the sign bit of xy counts negative; xx and yy have none where the result is used
+                negative = sign if k == bits % count else C(0, 1)
+                subtract = ~negative if name == "denominator" else negative
+                added = factors[factor].as_unsigned() & scanned[first][k].replicate(bits + 1)
+                other = factors[second].as_unsigned() & scanned["xy"][k].replicate(bits + 1)
+                other ^= subtract.replicate(bits + 1)
+                both = Signal(signed(bits + 2), name=f"{name}_both{suffix}", reset_less=True)
+                m.d.sync += both.eq(add_with_carry(added.as_signed(), other.as_signed(), subtract))
+                terms.append(both)
+            results[name] = _accumulate(m, terms, bits, name, clear=move, enable=active)
         return results
 
     def _divide(
@@ -207,13 +232,25 @@ class Subpixel(wiring.Component):
         ]
 
 
-def _accumulate(m: Module, added: Signal, bits: int, name: str, *, clear: Value, enable: Value) -> Value:
-    """Sum of ``added`` · 2**k over the k-th clocks of ``enable``; each makes one more bit final."""
+def _accumulate(
+    m: Module, terms: list[Signal], bits: int, name: str, *, clear: Value, enable: Value
+) -> Value:
+    """Sum of the terms of each clock of ``enable``, each worth twice the one before.
+
+    That makes as many more bits final. Of two terms, the sum is a register first.
+    """
+    count = len(terms)
+    added = terms[0]
+    if count == 2:
+        added = Signal(signed(bits + 4), name=f"{name}_added", reset_less=True)
+        delayed = Signal(name=f"{name}_enable")
+        m.d.sync += [added.eq(terms[0] + (terms[1] << 1)), delayed.eq(enable)]
+        enable = delayed
     high = Signal(signed(bits + 3), name=f"{name}_high", reset_less=True)
-    low = Signal(bits + 1, name=f"{name}_low", reset_less=True)
-    partial = (high + added)[: bits + 4]
+    low = Signal(count * -(-(bits + 1) // count), name=f"{name}_low", reset_less=True)
+    partial = (high + added)[: bits + 3 + count]
     with m.If(clear):
         m.d.sync += high.eq(0)
     with m.Elif(enable):
-        m.d.sync += [high.eq(partial[1:].as_signed()), low.eq(Cat(low, partial[0])[1:])]
+        m.d.sync += [high.eq(partial[count:].as_signed()), low.eq(Cat(low, partial[:count])[count:])]
     return Cat(low, high).as_signed()

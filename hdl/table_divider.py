@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from amaranth.hdl import C, Cat, Module, Mux, Signal, Value, signed
 from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
@@ -13,7 +14,7 @@ from hdl.parts.arithmetic import add_with_carry
 from hdl.parts.quotients import divider_members
 
 PLACES = 4
-"""Places by which operands are shifted up in a clock, until one of the highest so many is set."""
+"""Places by which operands are shifted up at once, until one of the highest so many is set."""
 READ_CLOCKS = 2
 """The memory's own register and one behind it, both part of the block RAM."""
 DIGIT_BITS = 2
@@ -32,31 +33,47 @@ class TableDivider(wiring.Component):
         digit -1, 0, 1, 2                                                             6 to 10
         sum = (sum + digit · numerator) / 4                                           7 to 11
 
+    With two digits per clock, operands are shifted by up to eight places per clock, and quotients
+    are there after eight clocks instead of twelve. The table then has two digits in a word.
+
     Parameters
     ----------
     mantissa_bits
         Bits of the factors whose products it divides.
     limit
         Largest size of a quotient, in units of 1/128, a power of two.
+    digits_per_clock
+        Digits of the reciprocal per clock, 1 or 2.
 
     Members
     -------
     See :func:`hdl.parts.quotients.divider_members`.
     """
 
-    def __init__(self, mantissa_bits: int, limit: int) -> None:
+    def __init__(self, mantissa_bits: int, limit: int, digits_per_clock: int = 1) -> None:
         self._table = table = ReciprocalTable(2 * mantissa_bits, limit)
-        self._whole_shifts = (table.bits - 1) // PLACES
-        """Shifts by four places: the numerators' last one, by two, follows."""
-        self._first_read = self._whole_shifts
+        self._per_clock = digits_per_clock
+        self._places = [PLACES, 2 * PLACES][:digits_per_clock]
+        self._suffixes = ["", "_above"][:digits_per_clock]
+        self._shift_clocks = -(-((table.bits - 1) // PLACES) // digits_per_clock)
+        """Clocks of shifts by whole PLACES: the numerators' last one, by two, follows."""
+        self._first_read = self._shift_clocks
         # a clock for digit times numerator
         self._first_sum = self._first_read + READ_CLOCKS + 1
-        self.clocks = self._first_sum + table.digits
+        reads = -(-table.digits // digits_per_clock)
+        self._padding = reads * digits_per_clock - table.digits
+        """Digits of the first word, the lowest ones, that are 0 to fill it."""
+        self.clocks = self._first_sum + reads
         super().__init__(divider_members(mantissa_bits, limit))
 
     @property
+    def _read_bits(self) -> int:
+        """Bits of the phase that tell a quotient's words of digits apart."""
+        return DIGIT_ADDRESS_BITS - (self._per_clock - 1)
+
+    @property
     def memory_bits(self) -> int:
-        return DIGIT_BITS << (self._table.address_bits + DIGIT_ADDRESS_BITS)
+        return self._per_clock * DIGIT_BITS << (self._table.address_bits + self._read_bits)
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -64,78 +81,98 @@ class TableDivider(wiring.Component):
         denominator = Signal(self._table.bits, reset_less=True)
         small = ~denominator[-2:].any()
         m.d.comb += [
-            last_shift.eq(self.phase == self._whole_shifts),
-            shift.eq((self.phase < self._whole_shifts) & ~denominator[-PLACES:].any()),
+            last_shift.eq(self.phase == self._shift_clocks),
+            shift.eq((self.phase < self._shift_clocks) & ~denominator[-PLACES:].any()),
             shift_numerators.eq(shift | (last_shift & small)),
         ]
+        far = ~denominator[-2 * PLACES :].any()
         with m.If(self.load):
             m.d.sync += denominator.eq(self.denominator)
         with m.Elif(shift):
-            m.d.sync += denominator.eq(denominator << PLACES)
+            m.d.sync += denominator.eq(_choose(far, [denominator << count for count in self._places]))
         shifted = Mux(small, denominator << 2, denominator)[: self._table.bits]
-        digit = self._digit(m, shifted[-self._table.address_bits :])
-        subtract = Signal(reset_less=True)
-        m.d.sync += subtract.eq(digit.all())
-        reached = [self._quotient(m, axis, shift_numerators, last_shift, digit, subtract) for axis in "xy"]
+        digits = self._digits(m, shifted[-self._table.address_bits :])
+        subtract = [Signal(name=f"subtract{suffix}", reset_less=True) for suffix in self._suffixes]
+        m.d.sync += [minus.eq(digit.all()) for minus, digit in zip(subtract, digits, strict=True)]
+        reached = []
+        for axis in "xy":
+            numerator, beyond = self._numerator(m, axis, shift_numerators, last_shift, far)
+            total = self._product(m, axis, numerator, digits, subtract)
+            reached.append(self._quotient(m, axis, total, beyond))
         with m.If(self.take):
             m.d.sync += self.reached.eq(self.usable & Cat(reached).any())
         return m
 
-    def _digit(self, m: Module, address: Value) -> Signal:
+    def _digits(self, m: Module, address: Value) -> list[Signal]:
         """The reciprocal's digits in turn, with the phase as a part of their address."""
-        table = self._table
+        table, planes = self._table, 1 << self._read_bits
         digits = table.digits_of(table.reciprocals()) % 4
-        contents = [[0] * len(digits) for _ in range(1 << DIGIT_ADDRESS_BITS)]
+        words = np.zeros((planes, len(digits)), np.int64)
         for k in range(table.digits):
-            contents[(self._first_read + k) % len(contents)] = digits[:, k].tolist()
+            read, place = divmod(k + self._padding, self._per_clock)
+            words[(self._first_read + read) % planes] |= digits[:, k] << (DIGIT_BITS * place)
         m.submodules.reciprocals = memory = Memory(
-            shape=DIGIT_BITS,
-            depth=len(digits) << DIGIT_ADDRESS_BITS,
-            init=[digit for plane in contents for digit in plane],
+            shape=self._per_clock * DIGIT_BITS,
+            depth=words.size,
+            init=words.reshape(-1).tolist(),
             attrs={"ram_style": "block"},
         )
         read = memory.read_port()
-        digit = Signal(DIGIT_BITS, reset_less=True)
-        m.d.comb += read.addr.eq(Cat(address, self.phase[:DIGIT_ADDRESS_BITS]))
-        m.d.sync += digit.eq(read.data)
-        return digit
+        found = [Signal(DIGIT_BITS, name=f"digit{suffix}", reset_less=True) for suffix in self._suffixes]
+        m.d.comb += read.addr.eq(Cat(address, self.phase[: self._read_bits]))
+        m.d.sync += Cat(found).eq(read.data)
+        return found
 
-    def _quotient(
-        self, m: Module, axis: str, shift: Value, last_shift: Value, digit: Value, subtract: Value
-    ) -> Value:
-        """Shifts a numerator along, adds up the product and rounds it; returns ``reached``."""
+    def _numerator(
+        self, m: Module, axis: str, shift: Value, last_shift: Value, far: Value
+    ) -> tuple[Signal, Signal]:
+        """Shifts a numerator along; returns it, and whether that has lost bits of it."""
         table, given = self._table, self.numerator[axis]
         numerator = Signal(signed(table.numerator_bits), name=f"numerator_{axis}", reset_less=True)
-        negative = Signal(name=f"negative_{axis}", reset_less=True)
         beyond = Signal(name=f"beyond_{axis}", reset_less=True)
         with m.If(self.load):
             m.d.sync += [
                 numerator.eq(given),
-                negative.eq(given[-1]),
                 beyond.eq(_differ(given[table.numerator_bits - 1 :])),
             ]
         with m.Elif(shift):
-            m.d.sync += numerator.eq(Mux(last_shift, numerator << 2, numerator << PLACES))
-            with m.If(Mux(last_shift, _differ(numerator[-3:]), _differ(numerator[-1 - PLACES :]))):
+            whole = _choose(far, [numerator << count for count in self._places])
+            lost = _choose(far, [_differ(numerator[-1 - count :]) for count in self._places])
+            m.d.sync += numerator.eq(Mux(last_shift, numerator << 2, whole))
+            with m.If(Mux(last_shift, _differ(numerator[-3:]), lost)):
                 m.d.sync += beyond.eq(1)
+        return numerator, beyond
 
+    def _product(
+        self, m: Module, axis: str, numerator: Signal, digits: list[Signal], subtract: list[Signal]
+    ) -> Signal:
+        """Adds up the numerator times each digit."""
+        table = self._table
         used = numerator[table.unused_bits :]
         # a lowest bit of one half stands for the bits that are not used
         factor = Cat(C(1, 1), used, used[-1])
-        doubled = Cat(C(0, 1), factor[:-1])
-        added = Signal(signed(table.factor_bits + 1), name=f"added_{axis}", reset_less=True)
-        m.d.sync += added.eq(
-            Mux(digit[1], Mux(digit[0], ~factor, doubled), Mux(digit[0], factor, 0)).as_signed()
-        )
-        total = Signal(signed(table.factor_bits), name=f"total_{axis}", reset_less=True)
+        below = 2 * self._padding
+        total = Signal(signed(table.factor_bits + below), name=f"total_{axis}", reset_less=True)
+        added_up: Value = total
+        for digit, minus, suffix in zip(digits, subtract, self._suffixes, strict=True):
+            added = Signal(signed(table.factor_bits + 1), name=f"added_{axis}{suffix}", reset_less=True)
+            m.d.sync += added.eq(_multiple(factor, digit))
+            added_up = add_with_carry(added_up, added, minus)[2:].as_signed()
         adding = Signal(name=f"adding_{axis}")
         with m.If(self.load):
-            m.d.sync += total.eq(table.start)
+            m.d.sync += total.eq(table.start << below)
         with m.Elif(adding):
-            m.d.sync += total.eq(add_with_carry(total, added, subtract)[2:])
+            m.d.sync += total.eq(added_up)
         m.d.sync += adding.eq((self.phase >= self._first_sum - 1) & (self.phase < self.clocks - 1))
+        return total
 
-        quotient = total[table.product_bits - 2 * table.digits :]
+    def _quotient(self, m: Module, axis: str, total: Signal, beyond: Signal) -> Value:
+        """Rounds a product; returns ``reached``."""
+        table = self._table
+        negative = Signal(name=f"negative_{axis}", reset_less=True)
+        with m.If(self.load):
+            m.d.sync += negative.eq(self.numerator[axis][-1])
+        quotient = total[table.product_bits - 2 * table.digits : table.factor_bits]
         places = table.limit.bit_length() - 1
         low, high = quotient[:places], quotient[places:]
         sign, reached = Signal(name=f"sign_{axis}"), Signal(name=f"reached_{axis}")
@@ -148,6 +185,17 @@ class TableDivider(wiring.Component):
         with m.If(self.take):
             m.d.sync += self.quotient[axis].eq(Cat(low & inside, ends).as_signed())
         return reached
+
+
+def _choose(far: Value, values: list[Value]) -> Value:
+    """Of the values for shifts by PLACES and, if there are two, by twice as many, the right one."""
+    return Mux(far, values[1], values[0]) if len(values) == 2 else values[0]
+
+
+def _multiple(factor: Value, digit: Value) -> Value:
+    """The factor times 0, 1 or 2, or its bits inverted, which is one less than minus the factor."""
+    doubled = Cat(C(0, 1), factor[:-1])
+    return Mux(digit[1], Mux(digit[0], ~factor, doubled), Mux(digit[0], factor, 0)).as_signed()
 
 
 def _differ(bits: Value) -> Value:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from itertools import product
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -14,7 +15,6 @@ from golden.normal_equations import FARTHEST, normal_equations
 from golden.subpixel import FITS as GOLDEN_FITS
 from golden.subpixel import Int64, derivative_bits, peak
 from hdl.build import Build
-from hdl.dividers import DIVIDERS
 from hdl.fits import solved_formats, solved_layout
 from hdl.subpixel import Subpixel, offset_layout
 from sim.engine import EngineName
@@ -28,6 +28,7 @@ with_step = pytest.mark.parametrize(
     ("fit", "divider"),
     [("nine", "table"), ("six", "serial"), ("gradient", "serial"), ("gradient", "table")],
 )
+one_bit_or_two = pytest.mark.parametrize("bits_per_clock", [1, 2], ids=["one-bit", "two-bits"])
 every_width = pytest.mark.parametrize("pixel_bits", [4, 8, 10])
 
 
@@ -38,11 +39,12 @@ def check(
     stalls: Stalls = NO_STALLS,
     pixel_bits: int = 8,
     divider: Divider = "table",
+    bits_per_clock: int = 1,
 ) -> Capture:
     """``patches``: (n, 3, 3)."""
     assert patches.min() >= 0 and patches.max() <= Build.profile("paper", pixel_bits=pixel_bits).response_max
     values = GOLDEN_FITS[fit].derivatives(patches)
-    return check_derivatives(fit, values, name, stalls, pixel_bits, divider)
+    return check_derivatives(fit, values, name, stalls, pixel_bits, divider, bits_per_clock)
 
 
 def check_derivatives(
@@ -52,6 +54,7 @@ def check_derivatives(
     stalls: Stalls = NO_STALLS,
     pixel_bits: int = 8,
     divider: Divider = "table",
+    bits_per_clock: int = 1,
 ) -> Capture:
     """``values`` as the golden model has them."""
     parameters = Build.profile("paper", fit=fit, divider=divider, pixel_bits=pixel_bits)
@@ -70,8 +73,9 @@ def check_derivatives(
         field: value >> form.zeros
         for (field, value), form in zip(values._asdict().items(), formats, strict=True)
     }
-    interval = Subpixel(parameters).interval
-    return check_block((Subpixel, parameters), {"i": given}, {"o": fields}, name, stalls, clocks=interval)
+    block = (Subpixel, parameters, None, bits_per_clock)
+    interval = Subpixel(*block[1:]).interval
+    return check_block(block, {"i": given}, {"o": fields}, name, stalls, clocks=interval)
 
 
 def peaks(count: int, largest: int, seed: int = 0) -> Array:
@@ -123,22 +127,24 @@ def named(largest: int) -> Array:
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
 @every_fit
-def test_peaks(fit: Fit, divider: Divider, name: EngineName, stalls: Stalls) -> None:
+@one_bit_or_two
+def test_peaks(fit: Fit, divider: Divider, bits_per_clock: int, name: EngineName, stalls: Stalls) -> None:
     count = 2000 if name == "compiled" else 60
     full = Build.profile("paper").response_max
-    capture = check(
-        fit, np.concatenate([peaks(count, full), paraboloids(count, full)]), name, stalls, divider=divider
-    )
+    patches = np.concatenate([peaks(count, full), paraboloids(count, full)])
+    capture = check(fit, patches, name, stalls, divider=divider, bits_per_clock=bits_per_clock)
     if not stalls.outputs:
         # starved or not: never longer, and the next one when this one has moved on
-        block = Subpixel(Build.profile("paper", fit=fit, divider=divider))
+        build = Build.profile("paper", fit=fit, divider=divider)
+        block = Subpixel(build, bits_per_clock=bits_per_clock)
         assert (latency(capture) == block.latency).all()
         assert (np.diff(capture.input_clocks["i"]) >= block.interval).all()
 
 
 @every_fit
 @every_width
-def test_many_patches(fit: Fit, divider: Divider, pixel_bits: int) -> None:
+@one_bit_or_two
+def test_many_patches(fit: Fit, divider: Divider, pixel_bits: int, bits_per_clock: int) -> None:
     full = Build.profile("paper", pixel_bits=pixel_bits).response_max
     rng = np.random.default_rng(pixel_bits)
     anything = rng.integers(0, full, (20_000, 3, 3), endpoint=True)
@@ -146,7 +152,13 @@ def test_many_patches(fit: Fit, divider: Divider, pixel_bits: int) -> None:
     patches = [peaks(20_000, full, 1), peaks(20_000, 9, 2), paraboloids(30_000, full, 3), anything, small]
     # responses of every height: every shift
     patches += [peaks(500, full >> k, k) for k in range(full.bit_length() - 1)]
-    capture = check(fit, np.concatenate(patches), pixel_bits=pixel_bits, divider=divider)
+    capture = check(
+        fit,
+        np.concatenate(patches),
+        pixel_bits=pixel_bits,
+        divider=divider,
+        bits_per_clock=bits_per_clock,
+    )
     seen = unpack(offset_layout(), capture.outputs["o"])
     inside = ~(seen["clamped"] | seen["not_maximum"]).astype(bool)
     # the test would say nothing if these did not occur
@@ -166,7 +178,8 @@ def test_extremes(fit: Fit, divider: Divider, pixel_bits: int) -> None:
 
 @with_step
 @every_width
-def test_any_derivatives(fit: Fit, divider: Divider, pixel_bits: int) -> None:
+@one_bit_or_two
+def test_any_derivatives(fit: Fit, divider: Divider, pixel_bits: int, bits_per_clock: int) -> None:
     """Values that no patch has: each of the five at its ends, around 0, and of every length."""
     parameters = Build.profile("paper", fit=fit, divider=divider, pixel_bits=pixel_bits)
     rng = np.random.default_rng(pixel_bits)
@@ -180,7 +193,13 @@ def test_any_derivatives(fit: Fit, divider: Divider, pixel_bits: int) -> None:
         # curvatures and slopes whose products nearly cancel
         near = (top >> 3) - rng.integers(0, 1 << rng.integers(1, field.width - 4, 20_000))
         values.append(np.concatenate([ends, anything, lengths, near]) << form.zeros)
-    capture = check_derivatives(fit, Derivatives(*values), pixel_bits=pixel_bits, divider=divider)
+    capture = check_derivatives(
+        fit,
+        Derivatives(*values),
+        pixel_bits=pixel_bits,
+        divider=divider,
+        bits_per_clock=bits_per_clock,
+    )
     seen = unpack(offset_layout(fit), capture.outputs["o"])
     assert (
         seen["clamped"].any()
@@ -251,9 +270,11 @@ def test_gradient_steps(name: EngineName, stalls: Stalls) -> None:
 
 def test_latency_of_the_gradient_step() -> None:
     """32 bits, of which 12 go on: to shift them takes longer than either division."""
-    for divider in DIVIDERS:
-        block = Subpixel(Build.profile("paper", fit="gradient", divider=divider))
-        assert block.interval == 21 and block.latency == 64
+    for divider in get_args(Divider):
+        build = Build.profile("paper", fit="gradient", divider=divider)
+        for bits_per_clock, interval in ((1, 21), (2, {"serial": 12, "table": 11}[divider])):
+            block = Subpixel(build, bits_per_clock=bits_per_clock)
+            assert block.interval == interval and block.latency == 3 * interval + 1
 
 
 @every_fit
@@ -264,6 +285,8 @@ def test_latency(fit: Fit, divider: Divider, pixel_bits: int) -> None:
     block = Subpixel(parameters)
     assert block.interval == 1 + max(derivative_bits(parameters) - 10, 12)
     assert block.latency == 3 * block.interval + 1
+    # two bits per clock: eight clocks of either divider, as many as of products
+    assert Subpixel(parameters, bits_per_clock=2).interval == 9
 
 
 def test_the_printed_fit_is_refused() -> None:

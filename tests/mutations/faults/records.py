@@ -63,8 +63,8 @@ RECORDS = {
     ),
     "numerators are shifted by four places at last": Mutation(
         "hdl/table_divider.py",
-        "Mux(last_shift, numerator << 2, numerator << PLACES)",
-        "numerator << PLACES",
+        "numerator.eq(Mux(last_shift, numerator << 2, whole))",
+        "numerator.eq(whole)",
         "tests/hdl/test_dividers.py",
         "by_hand and amaranth and table",
     ),
@@ -105,8 +105,8 @@ RECORDS = {
     ),
     "the sign of the mixed derivative counts positive": Mutation(
         "hdl/subpixel.py",
-        '~sign if name == "denominator" else sign',
-        '~sign if name == "denominator" else sign & ~sign',
+        '~negative if name == "denominator" else negative',
+        '~negative if name == "denominator" else negative & ~negative',
         "tests/hdl/test_subpixel.py",
         "by_hand and amaranth and nine",
     ),
