@@ -61,8 +61,7 @@ class Detector(wiring.Component):
         Stream of ``record_layout()``: the frame's corners in raster order, or in that of
         ``golden.cell_selection``, then its end-of-frame record.
     corner_flags
-        With ``video_out`` only: stream of ``corner_flag_layout(parameters)``, one for each pixel that can be
-        a corner.
+        With ``video_out`` only: stream of ``corner_flag_layout(parameters)``.
     found
         With ``budget`` or ``max_per_cell`` only: corners of the frame whose end-of-frame record is
         on offer, not only those reported.

@@ -195,8 +195,14 @@ class AxiCore(wiring.Component):
     def _video_out(self, m: Module, overlay: Any) -> None:
         m.d.comb += [
             self.m_axis_video_tvalid.eq(overlay.valid),
-            self.m_axis_video_tdata.eq(overlay.payload.pixel),
+            self.m_axis_video_tdata.eq(Value.cast(overlay.payload.pixel)),
             self.m_axis_video_tuser.eq(Cat(overlay.payload.sof, overlay.payload.corner)),
             self.m_axis_video_tlast.eq(overlay.payload.eol),
             overlay.ready.eq(self.m_axis_video_tready),
         ]
+        lanes = self._build.pixels_per_clock
+        if lanes > 1:
+            with m.Switch(overlay.payload.last_lane):
+                for lane in range(lanes):
+                    with m.Case(lane):
+                        m.d.comb += self.m_axis_video_tkeep.eq((2 << last_byte(self._build, lane)) - 1)

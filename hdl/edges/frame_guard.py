@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Mux, Signal, Value, unsigned
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -21,8 +21,19 @@ def pixel_shape(build: Build) -> Any:
 
 
 def video_layout(build: Build) -> data.StructLayout:
-    """A beat with its framing: first of a frame, last of a line."""
-    return data.StructLayout({"pixel": pixel_shape(build), "sof": 1, "eol": 1})
+    """A beat with its framing: first of a frame, last of a line.
+
+    With several pixels per clock ``last_lane`` is the place of its last pixel.
+    """
+    lanes = build.pixels_per_clock
+    return data.StructLayout(
+        {
+            "pixel": pixel_shape(build),
+            **optional(lanes > 1, last_lane=range(lanes)),
+            "sof": 1,
+            "eol": 1,
+        }
+    )
 
 
 def arriving_layout(build: Build) -> data.StructLayout:
@@ -133,7 +144,7 @@ class FrameGuard(wiring.Component):
         short_line = inside & eol & ~row_end & ~ignore_eol
         late = too_long = inside & row_end & ~eol & ~ignore_eol
         if self._build.pixels_per_clock > 1:
-            lacking, beyond = self._kept(m, row_end)
+            last_lane, lacking, beyond = self._kept(m, row_end)
             short_line |= (inside | start) & lacking
             too_long = inside & row_end & (~eol | beyond) & ~ignore_eol & ~lacking
         m.d.comb += [
@@ -155,6 +166,8 @@ class FrameGuard(wiring.Component):
                 self.o.payload.sof.eq(sof),
                 self.o.payload.eol.eq(row_end & self.active),
             ]
+            if self._build.pixels_per_clock > 1:
+                m.d.sync += self.o.payload.last_lane.eq(Mux(row_end & self.active, last_lane, -1))
         with m.Elif(self.o.ready):
             m.d.sync += self.o.valid.eq(0)
 
@@ -245,23 +258,25 @@ class FrameGuard(wiring.Component):
         lanes = self._build.pixels_per_clock
         return width if lanes == 1 else (width + lanes - 1)[lanes.bit_length() - 1 :]
 
-    def _kept(self, m: Module, row_end: Signal) -> tuple[Value, Value]:
-        """Whether a beat lacks a pixel, and whether a line's last one has pixels to spare.
+    def _kept(self, m: Module, row_end: Signal) -> tuple[Signal, Value, Value]:
+        """Where a line's last pixel is in its beat, and what a beat has.
 
-        A beat that starts a frame is no line's last.
+        Whether it lacks a pixel, and whether a line's last one has pixels to spare. A beat that
+        starts a frame is no line's last.
         """
         lanes, keep = self._build.pixels_per_clock, self.i.payload.keep
-        needed, beyond = Signal(lanes), Signal(lanes)
-        last = (self.width - 1)[: lanes.bit_length() - 1]
+        last_lane, needed, beyond = Signal(range(lanes)), Signal(lanes), Signal(lanes)
         ends = [last_byte(self._build, lane) for lane in range(lanes)]
-        with m.If(~self.active), m.Switch(last):
-            for lane in range(lanes):
-                with m.Case(lane):
-                    spare = [end > ends[lane] for end in ends]
-                    m.d.sync += [
-                        needed.eq((2 << lane) - 1),
-                        beyond.eq(sum(1 << k for k in range(lanes) if spare[k])),
-                    ]
-        probe(self, needed=needed, beyond=beyond)
+        left = (self.width - 1)[: len(last_lane)]
+        with m.If(~self.active):
+            m.d.sync += last_lane.eq(left)
+            with m.Switch(left):
+                for lane, end in enumerate(ends):
+                    with m.Case(lane):
+                        m.d.sync += [
+                            needed.eq((2 << lane) - 1),
+                            beyond.eq(Cat(C(byte > end, 1) for byte in ends)),
+                        ]
+        probe(self, last_lane=last_lane, needed=needed, beyond=beyond)
         spared = Mux(row_end & self.active, ~needed, 0)
-        return ~(keep | spared).all(), (keep & beyond).any()
+        return last_lane, ~(keep | spared).all(), (keep & beyond).any()

@@ -18,8 +18,13 @@ _CLOCKS = 128
 
 
 def overlay_layout(build: Build) -> data.StructLayout:
-    """A pixel with its framing, and whether there is an accepted corner (its whole pixel)."""
-    return data.StructLayout({"pixel": unsigned(build.pixel_bits), "corner": 1, "sof": 1, "eol": 1})
+    """A beat with its framing, and whether there is an accepted corner (its whole pixel).
+
+    ``corner`` has a bit for each pixel. With several of them per clock ``last_lane`` is the place
+    of the beat's last one.
+    """
+    framed, lanes = video_layout(build).members, build.pixels_per_clock
+    return data.StructLayout({"pixel": framed.pop("pixel"), "corner": lanes, **framed})
 
 
 class Overlay(wiring.Component):

@@ -17,6 +17,7 @@ from hdl.build import Build
 from hdl.detector import Detector
 from hdl.edges.frame_clock import FrameClock
 from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard, arriving_layout, events_layout
+from hdl.edges.lane_overlay import LaneOverlay
 from hdl.edges.overlay import Overlay, overlay_layout
 from hdl.edges.packet_constructor import PACKET_EVENTS, PacketConstructor, results_layout
 from hdl.output_constructor import record_layout
@@ -212,7 +213,8 @@ class VideoDetector(wiring.Component):
 
         Returns whether the overlay has room for one, and whether all complete frames have left it.
         """
-        m.submodules.overlay = overlay = Overlay(self._build)
+        kind = Overlay if self._build.pixels_per_clock == 1 else LaneOverlay
+        m.submodules.overlay = overlay = kind(self._build)
         pixels, detector = self._guard.o, self._detector
         m.d.comb += [
             overlay.restart.eq(restart),

@@ -33,7 +33,7 @@ class Run:
     """A guard that is fed with pauses on both sides, and what came of it."""
 
     def __init__(self, dut: FrameGuard, width: int, beats: LaneBeats, seed: int, **control: int) -> None:
-        self.frames: list[list[tuple[tuple[int, ...], int]]] = []
+        self.frames: list[list[tuple[tuple[int, ...], int, int]]] = []
         self.seen: Counter[str] = Counter()
         self._dut, self._random, self._waited = dut, np.random.default_rng(seed), 0
 
@@ -72,7 +72,7 @@ class Run:
             payload = context.get(dut.o.payload)
             if payload.sof:
                 self.frames.append([])
-            self.frames[-1].append((tuple(payload.pixel), payload.eol))
+            self.frames[-1].append((tuple(payload.pixel), payload.eol, payload.last_lane))
         taken = bool(context.get(dut.i.valid) and context.get(dut.i.ready))
         await context.tick()
         return taken
@@ -105,8 +105,9 @@ def compare(p: Build, width: int, beats: LaneBeats, seed: int, **control: Any) -
             flat += [(row[k * lanes : (k + 1) * lanes], end) for k, end in enumerate(ends)]
         # a frame whose first beat lacks a pixel begins with it, and is cut with it
         assert len(got) == max(len(flat), 1)
-        for (given, end), (shown, eol) in zip(flat, got, strict=False):
-            assert list(shown[: len(given)]) == given and eol == end
+        for (given, end), (shown, eol, last_lane) in zip(flat, got, strict=False):
+            assert list(shown[: len(given)]) == given
+            assert eol == end and last_lane == len(given) - 1
     assert run.seen == seen
     return seen
 
