@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal, Self
 
+from golden.algorithm import FIT_REACH
 from golden.checks import plain_integer
 from golden.formats import MAX_SIDE
 from golden.options import option
@@ -41,6 +42,10 @@ class Build(Parameters):
     queue_depth
         Corners that can wait for the subpixel refinement, 8 to 1024, before the input has to.
         Hardware only: changes delays, never a record.
+    refinement_units
+        Units that refine corners, in turn, 1 to 4. 0: as many as every photograph needs that the
+        project was measured with; with 4 or 8 pixels per clock, units that are faster, too.
+        Hardware only: changes delays, never a record. Gradient steps have one.
     video_out
         Pass the pixels on, as they came, with a corner flag. Hardware only; takes as many rows of
         block RAM as the algorithm's margin has, and with ``"banked"`` one more for each buffer.
@@ -74,6 +79,9 @@ class Build(Parameters):
         low=8,
         high=1024,
     )
+    refinement_units: int = option(
+        0, "Units that refine corners, in turn, 1 to 4; 0: as many as photographs need.", high=4
+    )
     video_out: bool = option(
         False, "Pass the pixels on, too, each with a corner flag; with the AXI edge only."
     )
@@ -86,6 +94,10 @@ class Build(Parameters):
             allowed = ", ".join(map(str, PIXELS_PER_CLOCK))
             raise ValueError(f"pixels_per_clock is {self.pixels_per_clock!r}; allowed: {allowed}")
         super().__post_init__()
+        if self.refinement_units > 1 and FIT_REACH[self.algorithm.fit]:
+            raise ValueError(
+                f"refinement_units is {self.refinement_units}; allowed with fit {self.algorithm.fit!r}: 0, 1"
+            )
         plain_integer(self, "max_width", self.min_width, MAX_SIDE)
 
     @property
@@ -102,6 +114,18 @@ class Build(Parameters):
     def beats(self) -> int:
         """Beats of the widest row."""
         return -(-self.max_width // self.pixels_per_clock)
+
+    @property
+    def units(self) -> int:
+        """Units that refine corners."""
+        if FIT_REACH[self.algorithm.fit]:
+            return 1
+        return self.refinement_units or (2 if self.pixels_per_clock == 8 else 1)
+
+    @property
+    def refinement_bits(self) -> int:
+        """Bits of a mantissa that a unit multiplies per clock: see ``hdl.subpixel.Subpixel``."""
+        return 2 if self.pixels_per_clock >= 4 else 1
 
     @property
     def rows_late(self) -> int:

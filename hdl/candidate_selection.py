@@ -61,7 +61,7 @@ def corner_flag_layout(build: Build) -> data.StructLayout:
 CORNER_FLAGS = 16
 """Corner flags that can wait: more than can come before their sink holds them up."""
 INSIDE = 4
-"""Candidates inside the subpixel refinement and at its end: their pending records wait too."""
+"""Candidates inside a unit of the subpixel refinement and at its end: their records wait too."""
 
 
 class _Verdict(NamedTuple):
@@ -157,7 +157,7 @@ class CandidateSelection(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m, p = Module(), self._parameters
         m.submodules.candidates = candidates = Queue(candidate_layout(p), p.queue_depth)
-        m.submodules.pending = pending = Queue(pending_record_layout(p), p.queue_depth + INSIDE)
+        m.submodules.pending = pending = Queue(pending_record_layout(p), p.queue_depth + p.units * INSIDE)
         wiring.connect(m, candidates.o, wiring.flipped(self.candidate))
         wiring.connect(m, pending.o, wiring.flipped(self.pending))
 

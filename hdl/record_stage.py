@@ -18,6 +18,7 @@ from hdl.gradient_step import GradientStep, step_members
 from hdl.output_constructor import OutputConstructor, record_layout
 from hdl.parts.nets import connect_by_name
 from hdl.parts.optional import optional
+from hdl.refinement_units import RefinementUnits
 from hdl.step_layouts import reads_pixels
 from hdl.subpixel import Subpixel
 
@@ -48,7 +49,7 @@ class RecordStage(wiring.Component):
     def __init__(self, parameters: Build) -> None:
         self._parameters = parameters
         steps = reads_pixels(parameters)
-        self.refinement = GradientStep(parameters) if steps else Subpixel(parameters)
+        self.refinement = _refinement(parameters)
         self.output_constructor = OutputConstructor(parameters)
         chooses = parameters.max_per_cell > 0
         self.cell_selection = CellSelection(parameters) if chooses else None
@@ -85,3 +86,11 @@ class RecordStage(wiring.Component):
         else:
             connect_by_name(m, wiring.flipped(self), constructor)
         return m
+
+
+def _refinement(build: Build) -> GradientStep | RefinementUnits | Subpixel:
+    if reads_pixels(build):
+        return GradientStep(build)
+    if build.units > 1:
+        return RefinementUnits(build)
+    return Subpixel(build, bits_per_clock=build.refinement_bits)

@@ -146,12 +146,9 @@ class Subpixel(wiring.Component):
             values.append(value)
         m.d.comb += normal.eq(Cat(*(value[-1] ^ value[-2] for value in values)).any())
         if by_one is not None:
-            # one place is enough, or is all that an odd number of them leaves for the last clock
-            last = Signal()
-            if self._shifts % 2:
-                first = self._shift_clocks == 1
-                m.d.sync += last.eq(move if first else phase == self._shift_clocks - 2)
-            m.d.comb += by_one.eq(last | Cat(*(value[-2] ^ value[-3] for value in values)).any())
+            # of an odd number of places, the last clock may do one too many: this doubles all
+            # values, which have room for it, and leaves their quotients as they are
+            m.d.comb += by_one.eq(Cat(*(value[-2] ^ value[-3] for value in values)).any())
         return Derivatives(*(value[self._shifts :].as_signed() for value in values))
 
     def _multiply(

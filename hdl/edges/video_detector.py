@@ -14,6 +14,7 @@ from golden.settings import Settings
 from golden.video import NO_LIMIT
 from hdl.adaptation import adapted_layout
 from hdl.build import Build
+from hdl.candidate_selection import INSIDE
 from hdl.detector import Detector
 from hdl.edges.frame_clock import FrameClock
 from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard, arriving_layout, events_layout
@@ -304,7 +305,7 @@ class VideoDetector(wiring.Component):
         """Complete frames that can be in flight at most."""
         # each of them, but for two, has at least one window among the corner flags and pending
         # records that wait
-        return self._build.queue_depth + 31
+        return self._build.queue_depth + 31 + (self._build.units - 1) * INSIDE
 
     def _time(self, m: Module) -> None:
         video, guard, packets, clock = self.video, self._guard, self._packets, self._clock

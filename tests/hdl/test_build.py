@@ -10,7 +10,7 @@ from golden import Parameters
 from golden.algorithm import PROFILES
 from hdl.build import BUILDS, Build
 
-RANGES = {"sqrt_bits_per_stage": (1, 17), "queue_depth": (8, 1024)}
+RANGES = {"sqrt_bits_per_stage": (1, 17), "queue_depth": (8, 1024), "refinement_units": (0, 4)}
 
 
 @pytest.mark.parametrize("field", RANGES)
@@ -36,6 +36,18 @@ def test_switches(field: str) -> None:
     assert getattr(Build(**{field: True}), field) is True
     with pytest.raises(ValueError, match=f"^{field} is 1; allowed: True or False$"):
         Build(**{field: 1})
+
+
+def test_units() -> None:
+    """As many as photographs need, unless another number is asked for; one for gradient steps."""
+    for lanes, units, bits in ((1, 1, 1), (2, 1, 1), (4, 1, 2), (8, 2, 2)):
+        build = Build(pixels_per_clock=lanes)
+        assert (build.units, build.refinement_bits) == (units, bits)
+        assert Build(pixels_per_clock=lanes, refinement_units=3).units == 3
+        assert Build.profile("precise", pixels_per_clock=lanes, refinement_units=1).units == 1
+    message = "^refinement_units is 2; allowed with fit 'gradient': 0, 1$"
+    with pytest.raises(ValueError, match=message):
+        Build.profile("precise", refinement_units=2)
 
 
 def test_profiles() -> None:
