@@ -11,6 +11,7 @@ from amaranth.lib.wiring import In, Out
 from golden.adaptive_threshold import LEVEL_SHIFT
 from golden.formats import MEAN_WEIGHT_FRACTION_BITS, WINDOW_SIZE
 from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.centre_rows import CENTRE_SIZE
 from hdl.parts.outgoing_column import outgoing_column
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
@@ -56,7 +57,7 @@ class AdaptiveThreshold(wiring.Component):
         """Is a window's centre textured, is it reported, and T, or 0 where that is negative."""
         return data.StructLayout({"textured": 1, "keep": 1, "response": parameters.response_bits})
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._parameters = parameters
         super().__init__(
             {

@@ -1,54 +1,55 @@
-"""Frame control: adds ends of rows and frames to the pixels, and samples each frame's settings."""
+"""Frame control: adds ends of rows and frames to beats of pixels; samples each frame's settings."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Mux, Signal, Value, unsigned
+from amaranth.hdl import Cat, Module, Mux, Signal, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.parts.probes import probe
 from hdl.parts.stream import Beat
-from hdl.thresholds import settings_layout
+from hdl.sample import pixels_shape
+from hdl.thresholds import frame_layout, settings_layout
 
 
 class FrameControl(wiring.Component):
-    """Counts pixels into rows and frames.
+    """Counts beats into rows and frames.
 
-    Size and settings are sampled with the first pixel of a frame and hold for the whole of it. A
-    width or height out of range is taken as the nearest that is allowed: ``Algorithm.support``, or
-    the built maximum.
+    Size and settings are sampled with the first beat of a frame and hold for the whole of it. A
+    width or height out of range is taken as the nearest that is allowed: ``Build.min_width`` or
+    ``Algorithm.support``, or the built maximum.
 
     Members
     -------
     i
-        Stream of pixels in raster order.
+        Stream of ``pixels_shape(parameters)`` in raster order; a row begins with a beat of its own.
     width, height
         Size of the next frame in pixels.
     next_settings
         ``settings_layout(parameters)`` for the next frame.
     o
-        Stream of ``Beat(unsigned(pixel_bits))``. Its ready must not wait for its valid.
+        Stream of ``Beat(pixels_shape(parameters))``. Its ready must not wait for its valid.
     settings
-        Stream of ``settings_layout(parameters)``, one per frame. A first pixel waits until it can
-        be taken.
+        Stream of ``frame_layout(parameters)``, one per frame. A first beat waits until it can be
+        taken.
     """
 
     latency = 1
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._parameters = parameters
-        pixel = unsigned(parameters.pixel_bits)
+        pixels = pixels_shape(parameters)
         super().__init__(
             {
-                "i": In(stream.Signature(pixel)),
+                "i": In(stream.Signature(pixels)),
                 "width": In(range(parameters.max_width + 1)),
                 "height": In(range(parameters.max_height + 1)),
                 "next_settings": In(settings_layout(parameters)),
-                "o": Out(stream.Signature(Beat(pixel))),
-                "settings": Out(stream.Signature(settings_layout(parameters))),
+                "o": Out(stream.Signature(Beat(pixels))),
+                "settings": Out(stream.Signature(frame_layout(parameters))),
             }
         )
 
@@ -61,23 +62,29 @@ class FrameControl(wiring.Component):
             step.eq(self.i.valid & self.i.ready),
         ]
 
-        # compared one pixel and one row early, so that the ends are registers; the values are never
+        # compared one beat and one row early, so that the ends are registers; the values are never
         # 0, where counting begins
-        x, y = Signal(range(self._parameters.max_width)), Signal(range(self._parameters.max_height))
-        least = self._parameters.algorithm.support
-        last_but_one_x, last_but_one_y = (Signal.like(place, init=least - 2) for place in (x, y))
+        p = self._parameters
+        lanes, least = p.pixels_per_clock, p.algorithm.support
+        lane_bits = (lanes - 1).bit_length()
+        x, y = Signal(range(p.beats)), Signal(range(p.max_height))
+        last_but_one_x = Signal.like(x, init=-(-p.min_width // lanes) - 2)
+        last_but_one_y = Signal.like(y, init=least - 2)
         eol, last_row, eof = Signal(), Signal(), Signal()
         m.d.comb += eof.eq(eol & last_row)
         with m.If(step):
             m.d.sync += [first.eq(eof), x.eq(Mux(eol, 0, x + 1)), eol.eq(x == last_but_one_x)]
             with m.If(eol):
                 m.d.sync += [y.eq(Mux(last_row, 0, y + 1)), last_row.eq(y == last_but_one_y)]
-        # sampled in every clock up to that of the first pixel, so that no logic has to detect it
+        # sampled in every clock up to that of the first beat, so that no logic has to detect it
+        width = _clamped(self.width, p.min_width, p.max_width)
+        settings = self.next_settings if lanes == 1 else Cat(self.next_settings, width[:lane_bits])
         with m.If(first & ~self.settings.valid):
             m.d.sync += [
-                last_but_one_x.eq(_clamped(self.width, least, self._parameters.max_width) - 2),
-                last_but_one_y.eq(_clamped(self.height, least, self._parameters.max_height) - 2),
-                self.settings.payload.eq(self.next_settings),
+                # beats of a row, less 2
+                last_but_one_x.eq((width - (lanes + 1)) >> lane_bits),
+                last_but_one_y.eq(_clamped(self.height, least, p.max_height) - 2),
+                self.settings.payload.eq(settings),
             ]
 
         with m.If(step & first):

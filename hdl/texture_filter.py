@@ -11,6 +11,7 @@ from amaranth.lib.wiring import In, Out
 
 from golden.formats import WINDOW_SIZE
 from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
 from hdl.sample import response_layout, responses
 from hdl.thresholds import thresholds_layout
@@ -116,7 +117,7 @@ class TextureFilter(wiring.Component):
         """Is a window's centre textured, and is it reported?"""
         return data.StructLayout({"textured": 1, "keep": 1})
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._parameters = parameters
         self._regions = parameters.algorithm.patches == "regions"
         super().__init__(

@@ -21,11 +21,12 @@ from golden.formats import (
 from golden.parameters import Parameters
 from golden.textures import TEXTURES
 from hdl.adaptation import adapted_layout, aim_layout
+from hdl.build import Build
 from hdl.cell_grid import cell_settings_layout
 from hdl.parts.optional import optional
 from hdl.parts.probes import probe
 from hdl.parts.stream import Beat
-from hdl.sample import response_layout
+from hdl.sample import responses_shape
 
 SIGMA2_BITS = SIGMA_BITS + SIGMA2_INTEGER_BITS
 
@@ -46,15 +47,30 @@ def settings_layout(parameters: Parameters) -> data.StructLayout:
     )
 
 
+def frame_layout(build: Build) -> data.StructLayout:
+    """A frame's settings and, with several pixels per clock, ``last_lanes``.
+
+    That is how many lanes of a row's last beat lie within the width, 0 for all of them.
+    """
+    lanes = build.pixels_per_clock
+    return data.StructLayout(
+        {
+            **{str(name): field.shape for name, field in settings_layout(build)},
+            **optional(lanes > 1, last_lanes=range(lanes)),
+        }
+    )
+
+
 def settings_members(parameters: Parameters) -> dict[str, Member]:
     """An input for each field of :func:`settings_layout`."""
     return {str(name): In(field.shape) for name, field in settings_layout(parameters)}
 
 
-def thresholds_layout(parameters: Parameters) -> data.StructLayout:
+def thresholds_layout(parameters: Build) -> data.StructLayout:
     """T1 in units of D; T2 in units of tau, or the weight of the local level; other settings.
 
-    Without a texture filter T2 has no bits.
+    Without a texture filter T2 has no bits. With several pixels per clock there is ``last_lanes``,
+    as in :func:`frame_layout`.
     """
     tau_bits = (
         parameters.response_bits + SIGMA2_INTEGER_BITS + (parameters.pixels_per_region - 1).bit_length()
@@ -67,6 +83,7 @@ def thresholds_layout(parameters: Parameters) -> data.StructLayout:
             "report_rejected": 1,
             **optional(parameters.budget, max_corners=BUDGET_BITS, aim=aim_layout()),
             **optional(parameters.max_per_cell > 0, cells=cell_settings_layout()),
+            **optional(parameters.pixels_per_clock > 1, last_lanes=range(parameters.pixels_per_clock)),
         }
     )
 
@@ -89,11 +106,10 @@ class Thresholds(wiring.Component):
     Members
     -------
     i, o
-        Stream of ``Beat(response_layout(parameters))``, passed on in the same clock. A first beat
+        Stream of ``Beat(responses_shape(parameters))``, passed on in the same clock. A first beat
         waits for settings, and until the previous frame's thresholds have been taken.
     settings
-        Stream of ``settings_layout(parameters)``, one per frame; taken when the multiplication
-        starts.
+        Stream of ``frame_layout(parameters)``, one per frame; taken when the multiplication starts.
     thresholds
         Stream of ``thresholds_layout(parameters)``, one per frame; take it at the end of the frame.
     largest
@@ -106,14 +122,14 @@ class Thresholds(wiring.Component):
 
     latency = 0
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._parameters = parameters
-        samples = stream.Signature(Beat(response_layout(parameters)))
+        samples = stream.Signature(Beat(responses_shape(parameters)))
         super().__init__(
             {
                 "i": In(samples),
                 "o": Out(samples),
-                "settings": In(stream.Signature(settings_layout(parameters))),
+                "settings": In(stream.Signature(frame_layout(parameters))),
                 "thresholds": Out(stream.Signature(thresholds_layout(parameters))),
                 "largest": In(parameters.response_bits),
                 **optional(parameters.budget, adapted=In(adapted_layout(parameters)), adapting=In(1)),
@@ -188,6 +204,7 @@ class Thresholds(wiring.Component):
             products = products[:1]
         m.d.sync += [chosen.eq(start), referred.eq(chosen)]
         m.d.comb += self.settings.ready.eq(referred)
+        self._last_lanes(m, referred)
         with m.If(~busy):
             candidate = Mux(settings.use_constant | ~any_previous, settings.constant, self.largest)
             if self._parameters.budget:
@@ -222,6 +239,14 @@ class Thresholds(wiring.Component):
             t2.eq(product2[SIGMA_BITS:] if self._by_reference else weight),
             self.thresholds.payload.report_rejected.eq(report_rejected),
         ]
+
+    def _last_lanes(self, m: Module, referred: Signal) -> None:
+        if self._parameters.pixels_per_clock == 1:
+            return
+        last_lanes = Signal(range(self._parameters.pixels_per_clock))
+        with m.If(referred):
+            m.d.sync += last_lanes.eq(self.settings.payload.last_lanes)
+        m.d.comb += self.thresholds.payload.last_lanes.eq(last_lanes)
 
     def _cells(self, m: Module, referred: Signal) -> Value:
         """Stores the settings of cells; returns whether they choose."""

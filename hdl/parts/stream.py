@@ -62,6 +62,7 @@ class Pipeline:
         self.registers: dict[str, Signal] = {}
         self.advance = Signal()
         self.valid = Signal(name="offered")
+        self._beats: list[Value] = [self.valid]
         m.d.comb += [
             self.advance.eq(o.ready),
             self.valid.eq(i.valid & permit),
@@ -78,6 +79,12 @@ class Pipeline:
             self._m.d.sync += register.eq(value)
         self.registers[name] = register
         return register
+
+    def beat(self, clock: int) -> Value:
+        """Is there a beat, and no bubble, so many clocks after it was offered?"""
+        while len(self._beats) <= clock:
+            self._beats.append(self.register(self._beats[-1], f"beat_{len(self._beats)}", reset=True))
+        return self._beats[clock]
 
     def delay(self, value: ValueLike, clocks: int, name: str, *, reset: bool = False) -> Value:
         """``value`` some clocks later."""
