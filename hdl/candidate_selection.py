@@ -73,16 +73,13 @@ class _Verdict(NamedTuple):
     """The response in a record: that of the texture filter, if it gives one."""
 
 
-class CandidateSelection(wiring.Component):
-    """Selects the window centres that are reported: corners that the texture filter accepts.
+class Selection(wiring.Component):
+    """Queues of what is reported, and what decides about it; others say where that is.
 
     Every candidate goes out twice: its derivatives to the subpixel refinement, and a pending record
     of the rest to the output constructor. Each frame is closed by one more pending record, with
-    ``end``, one clock after its last window. Both wait in queues, whose filling alone decides, in a
-    register, whether the blocks before may move: these are always in step with each other.
-
-    A frame's largest response is that of the window centres, so that no pixel decides about
-    thresholds at which there can be no corner.
+    ``end``. Both wait in queues, whose filling alone decides, in a register, whether the blocks
+    before may move: these are always in step with each other.
 
     With ``budget``, once a frame has had ``max_corners`` that the texture filter accepts, no more
     of its corners are picked; 0 is no limit. All are counted. Where cells choose, the limit comes
@@ -100,18 +97,12 @@ class CandidateSelection(wiring.Component):
         the same clocks.
     candidate
         Stream of ``candidate_layout(parameters)``.
-    picked, row
-        With the gradient step only: in this clock there is a candidate, and the row of pixels that
-        it would have as its place's.
     pending
         Stream of ``pending_record_layout(parameters)``.
     last
         In this clock the frame's last window leaves.
-    largest
-        Largest response of the frame so far. From the clock after a frame's last window until the
-        next frame's first, it is that of the whole frame.
     corner_flags
-        With ``video_out`` only: stream of ``corner_flag_layout(parameters)``, one for every window.
+        With ``video_out`` only: stream of ``corner_flag_layout(parameters)``.
     max_corners, rank
         With ``budget`` only: the limit, and whether textured peaks are counted, too; steady from
         before a frame's first window to its last.
@@ -125,24 +116,20 @@ class CandidateSelection(wiring.Component):
 
     latency = Queue.latency
 
-    def __init__(self, parameters: Build) -> None:
+    def __init__(self, parameters: Build, members: dict[str, Any]) -> None:
         self._parameters = parameters
         texture, surface = texture_layout(parameters), derivatives_layout(parameters)
         self._filtered = bool(texture.members)
-        self._by_pixels = reads_pixels(parameters)
+        flags = optional(parameters.video_out, corner_flags=corner_flag_layout(parameters))
         super().__init__(
             {
                 "corners": In(stream.Signature(Beat(corner_layout(parameters)))),
                 **optional(self._filtered, textures=In(stream.Signature(Beat(texture)))),
                 "surfaces": In(stream.Signature(surface)),
                 "candidate": Out(stream.Signature(candidate_layout(parameters))),
-                **optional(self._by_pixels, picked=Out(1), row=Out(range(2 * rows_kept(parameters)))),
                 "pending": Out(stream.Signature(pending_record_layout(parameters))),
                 "last": Out(1),
-                "largest": Out(parameters.response_bits),
-                **optional(
-                    parameters.video_out, corner_flags=Out(stream.Signature(corner_flag_layout(parameters)))
-                ),
+                **{name: Out(stream.Signature(layout)) for name, layout in flags.items()},
                 **optional(
                     parameters.budget,
                     max_corners=In(BUDGET_BITS),
@@ -151,23 +138,22 @@ class CandidateSelection(wiring.Component):
                     strength=Out(parameters.response_bits),
                 ),
                 **optional(parameters.max_per_cell > 0, cells=In(cell_settings_layout())),
+                **members,
             }
         )
 
-    def elaborate(self, platform: Any) -> Module:
-        m, p = Module(), self._parameters
+    def _queues(self, m: Module) -> tuple[Queue, Queue]:
+        """Those of candidates and of pending records."""
+        p = self._parameters
         m.submodules.candidates = candidates = Queue(candidate_layout(p), p.queue_depth)
         m.submodules.pending = pending = Queue(pending_record_layout(p), p.queue_depth + p.units * INSIDE)
         wiring.connect(m, candidates.o, wiring.flipped(self.candidate))
         wiring.connect(m, pending.o, wiring.flipped(self.pending))
+        return candidates, pending
 
-        room, step, ending = Signal(init=1), Signal(), Signal()
-        margin = p.algorithm.margin
-        x, y = Signal(PIXEL_COORDINATE_BITS, init=margin), Signal(PIXEL_COORDINATE_BITS, init=margin)
-        allowed, place = self._budget(m, step, ending, (x, y)) if p.budget else (C(1), (x, y))
-        # a clock late, and an end can still follow: there is room for it, too
-        flags_room = self._corner_flags(m, step, allowed) if p.video_out else C(1)
-        m.d.sync += room.eq(candidates.room & pending.room & flags_room)
+    def _step(self, m: Module, room: Signal) -> Signal:
+        """A window is taken: everything comes in the same clock."""
+        step = Signal()
         m.d.comb += [
             *(source.ready.eq(room) for source in (self.corners, self.surfaces)),
             step.eq(self.corners.valid & room),
@@ -175,6 +161,83 @@ class CandidateSelection(wiring.Component):
         ]
         if self._filtered:
             m.d.comb += self.textures.ready.eq(room)
+        return step
+
+    @property
+    def _verdict(self) -> _Verdict:
+        response = self.corners.payload.data.response
+        if not self._filtered:
+            return _Verdict(C(0, 1), C(1, 1), response)
+        texture = self.textures.payload.data
+        given = "response" in texture.shape().members
+        return _Verdict(texture.textured, texture.keep, texture.response if given else response)
+
+    def _budget(
+        self, m: Module, step: Signal, ending: Signal, place: tuple[Value, Value]
+    ) -> tuple[Value, tuple[Value, Value]]:
+        """Whether the frame may have more candidates, and the x and y of a pending record.
+
+        In an end, x and y hold how many corners could have been picked. All is two clocks late,
+        because no two corners come in two clocks in a row.
+        """
+        allowed, found, accepted = Signal(), Signal(COUNT_BITS), Signal(BUDGET_BITS)
+        corner, verdict = self.corners.payload.data, self._verdict
+        if TEXTURES[self._parameters.algorithm.texture].by_reference:
+            counts = ~verdict.textured | self.rank
+        else:
+            # what is left of D is what counts; whether it is above T1 does not
+            counts = verdict.response.any()
+        m.d.comb += [self.counted.eq(step & corner.peak & counts), self.strength.eq(verdict.response)]
+        chosen = self.cells.per_cell != 0 if self._parameters.max_per_cell else C(0)
+        m.d.sync += allowed.eq(chosen | (self.max_corners == 0) | (accepted != self.max_corners))
+        with m.If(ending):
+            m.d.sync += [found.eq(0), accepted.eq(0)]
+        with m.Elif(step & corner.corner & verdict.keep):
+            m.d.sync += found.eq(found + 1)
+            with m.If(~verdict.textured & (accepted != self.max_corners)):
+                m.d.sync += accepted.eq(accepted + 1)
+        halves = found[:PIXEL_COORDINATE_BITS], found[PIXEL_COORDINATE_BITS:]
+        return allowed, (Mux(ending, halves[0], place[0]), Mux(ending, halves[1], place[1]))
+
+
+class CandidateSelection(Selection):
+    """Selects the window centres that are reported: corners that the texture filter accepts.
+
+    It counts windows to know where they are. A frame's end comes one clock after its last window.
+
+    A frame's largest response is that of the window centres, so that no pixel decides about
+    thresholds at which there can be no corner.
+
+    Members
+    -------
+    picked, row
+        With the gradient step only: in this clock there is a candidate, and the row of pixels that
+        it would have as its place's.
+    largest
+        Largest response of the frame so far. From the clock after a frame's last window until the
+        next frame's first, it is that of the whole frame.
+    corner_flags
+        With ``video_out`` only: stream of ``corner_flag_layout(parameters)``, one for every window.
+
+    The others are those of :class:`Selection`.
+    """
+
+    def __init__(self, parameters: Build) -> None:
+        self._by_pixels = reads_pixels(parameters)
+        members = optional(self._by_pixels, picked=Out(1), row=Out(range(2 * rows_kept(parameters))))
+        super().__init__(parameters, {**members, "largest": Out(parameters.response_bits)})
+
+    def elaborate(self, platform: Any) -> Module:
+        m, p = Module(), self._parameters
+        candidates, pending = self._queues(m)
+        room, ending = Signal(init=1), Signal()
+        step = self._step(m, room)
+        margin = p.algorithm.margin
+        x, y = Signal(PIXEL_COORDINATE_BITS, init=margin), Signal(PIXEL_COORDINATE_BITS, init=margin)
+        allowed, place = self._budget(m, step, ending, (x, y)) if p.budget else (C(1), (x, y))
+        # a clock late, and an end can still follow: there is room for it, too
+        flags_room = self._corner_flags(m, step, allowed) if p.video_out else C(1)
+        m.d.sync += room.eq(candidates.room & pending.room & flags_room)
         self._largest(m, step)
         corner, verdict = self.corners.payload.data, self._verdict
         with m.If(step):
@@ -213,15 +276,6 @@ class CandidateSelection(wiring.Component):
         probe(self, candidates=candidates, pending=pending, room=room, x=x, y=y, ending=ending)
         return m
 
-    @property
-    def _verdict(self) -> _Verdict:
-        response = self.corners.payload.data.response
-        if not self._filtered:
-            return _Verdict(C(0, 1), C(1, 1), response)
-        texture = self.textures.payload.data
-        given = "response" in texture.shape().members
-        return _Verdict(texture.textured, texture.keep, texture.response if given else response)
-
     def _number_rows(self, m: Module, step: Signal) -> Signal:
         """The row of pixels a margin above the window's centre, as the pixel store numbers it."""
         tags, left_out = self.corners.payload, 2 * self._parameters.algorithm.margin
@@ -238,33 +292,6 @@ class CandidateSelection(wiring.Component):
             m.d.sync += first.eq(self.corners.payload.eof)
             with m.If(first | (response > self.largest)):
                 m.d.sync += self.largest.eq(response)
-
-    def _budget(
-        self, m: Module, step: Signal, ending: Signal, place: tuple[Value, Value]
-    ) -> tuple[Value, tuple[Value, Value]]:
-        """Whether the frame may have more candidates, and the x and y of a pending record.
-
-        In an end, x and y hold how many corners could have been picked. All is two clocks late,
-        because no two corners come in two clocks in a row.
-        """
-        allowed, found, accepted = Signal(), Signal(COUNT_BITS), Signal(BUDGET_BITS)
-        corner, verdict = self.corners.payload.data, self._verdict
-        if TEXTURES[self._parameters.algorithm.texture].by_reference:
-            counts = ~verdict.textured | self.rank
-        else:
-            # what is left of D is what counts; whether it is above T1 does not
-            counts = verdict.response.any()
-        m.d.comb += [self.counted.eq(step & corner.peak & counts), self.strength.eq(verdict.response)]
-        chosen = self.cells.per_cell != 0 if self._parameters.max_per_cell else C(0)
-        m.d.sync += allowed.eq(chosen | (self.max_corners == 0) | (accepted != self.max_corners))
-        with m.If(ending):
-            m.d.sync += [found.eq(0), accepted.eq(0)]
-        with m.Elif(step & corner.corner & verdict.keep):
-            m.d.sync += found.eq(found + 1)
-            with m.If(~verdict.textured & (accepted != self.max_corners)):
-                m.d.sync += accepted.eq(accepted + 1)
-        halves = found[:PIXEL_COORDINATE_BITS], found[PIXEL_COORDINATE_BITS:]
-        return allowed, (Mux(ending, halves[0], place[0]), Mux(ending, halves[1], place[1]))
 
     def _cell(self, m: Module, step: Signal, closing: Signal, cell: Any) -> None:
         """The cell of a pending record, and whether a row of cells has ended, a clock later."""
