@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from flow.verilog_ports import Port
 from hdl.edges import Interface
 
-_DATA = "data"
+_DATA, _EMPTY = "data", "empty"
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,8 @@ _INTERRUPT = HwInterface(
     {"irq": "irq"},
     {"associatedAddressablePoint": "registers", **_SYNCHRONOUS},
 )
-# One symbol is a whole pixel or record: with several symbols per beat a signal would have to say
-# how many of them are empty in the last beat.
+# One symbol is a whole pixel or record. With several symbols per beat a signal says how many of
+# them are empty in a packet's last beat.
 _PACKETS: dict[str, str | int] = {**_SYNCHRONOUS, "readyLatency": 0, "maxChannel": 0}
 # One read per clock, answered two clocks later; accesses wait in reset only.
 _MEMORY_MAPPED: dict[str, str | int] = {
@@ -122,5 +122,13 @@ def hw_interfaces(interface: Interface, ports: Sequence[Port]) -> list[HwInterfa
 def _with_symbols(interface: HwInterface, ports: list[tuple[Port, str]]) -> dict[str, str | int]:
     if interface.kind != "avalon_streaming":
         return interface.properties
-    (bits,) = (port.width for port, role in ports if role == _DATA)
-    return {**interface.properties, "dataBitsPerSymbol": bits}
+    widths = {role: port.width for port, role in ports}
+    if _EMPTY not in widths:
+        return {**interface.properties, "dataBitsPerSymbol": widths[_DATA]}
+    symbols = 1 << widths[_EMPTY]
+    return {
+        **interface.properties,
+        "dataBitsPerSymbol": widths[_DATA] // symbols,
+        "symbolsPerBeat": symbols,
+        "firstSymbolInHighOrderBits": "true",
+    }

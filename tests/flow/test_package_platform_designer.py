@@ -173,3 +173,14 @@ def test_files_of_the_component_exist(interface: PackageInterface, changes: Any)
 def test_a_port_that_nobody_knows_is_an_error() -> None:
     with pytest.raises(ValueError, match=r"port is 'led'; allowed: clk, rst, asi_video_"):
         hw_interfaces("avalon", [Port("clk", "input", 1), Port("led", "output", 1)])
+
+
+def test_several_pixels_in_a_beat_are_several_symbols() -> None:
+    """With a port that says how many of them a packet's last beat leaves empty."""
+    ports = [Port("asi_video_data", "input", 40), Port("asi_video_empty", "input", 2)]
+    (video,) = hw_interfaces("avalon", [*ports, Port("asi_video_valid", "input", 1)])
+    assert {role for _, role in video.ports} == {"data", "empty", "valid"}
+    found = {key: video.properties[key] for key in ("dataBitsPerSymbol", "symbolsPerBeat")}
+    assert found == {"dataBitsPerSymbol": 10, "symbolsPerBeat": 4}
+    # as Avalon-ST has it where nothing else is said
+    assert video.properties["firstSymbolInHighOrderBits"] == "true"
