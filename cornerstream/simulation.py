@@ -55,6 +55,7 @@ from sim import (
     simulate_frames,
     summarize,
 )
+from sim.beats import beat_count
 from sim.engine import VCD_CLOCKS
 from sim.waves import save_path
 
@@ -319,7 +320,9 @@ def _run_from(options: dict[str, Any], profiles: tuple[str, ...]) -> Run:
 def _announce_waves(run: Run, pixels: Image, parameters: Build) -> None:
     if run.vcd is None:
         return
-    clocks = min(run.vcd_clocks, round(run.frames * pixels.size / (1 - run.stalls.inputs)))
+    clocks = min(
+        run.vcd_clocks, round(run.frames * beat_count(pixels.shape, parameters) / (1 - run.stalls.inputs))
+    )
     each = _WAVE_BYTES[run.engine] * (_GRADIENT_FIT if parameters.algorithm.fit == "gradient" else 1)
     size = console.size(clocks * each)
     console.say(f"Waves of {clocks:,} clocks will take up to about {size} (an estimate)")
@@ -329,7 +332,8 @@ def _simulate(
     engine: Engine, run: Run, pixels: Image, parameters: Build, settings: Settings
 ) -> SimulationResult:
     frames = [(pixels, settings)] * run.frames
-    with console.progress("Simulating", pixels.size * run.frames) as advance, running_tools():
+    beats = run.frames * beat_count(pixels.shape, parameters)
+    with console.progress("Simulating", beats) as advance, running_tools():
         return simulate_frames(
             engine,
             frames,

@@ -59,10 +59,10 @@ def check_image(image: object, parameters: Parameters) -> Image:
     if image.ndim != 2:
         raise ValueError(f"image has shape {image.shape}; allowed: (height, width), one channel")
     height, width = image.shape
-    least = parameters.algorithm.support
-    if not (least <= width <= parameters.max_width and least <= height <= parameters.max_height):
+    least_width, least_height = parameters.min_width, parameters.algorithm.support
+    if not (least_width <= width <= parameters.max_width and least_height <= height <= parameters.max_height):
         raise ValueError(
-            f"image is {width}x{height}; allowed: {least}x{least} "
+            f"image is {width}x{height}; allowed: {least_width}x{least_height} "
             f"to {parameters.max_width}x{parameters.max_height} (the built maximum)"
         )
     if parameters.pixel_bits != 8 * dtype.itemsize and image.max() > parameters.pixel_max:

@@ -88,9 +88,14 @@ class Parameters:
 
     def __post_init__(self) -> None:
         check_type("algorithm", self.algorithm, Algorithm)
-        for side in ("max_width", "max_height"):
-            plain_integer(self, side, self.algorithm.support, MAX_SIDE)
+        plain_integer(self, "max_width", self.min_width, MAX_SIDE)
+        plain_integer(self, "max_height", self.algorithm.support, MAX_SIDE)
         check_options(self)
+
+    @property
+    def min_width(self) -> int:
+        """Narrowest frame, in pixels; the least height is ``Algorithm.support``."""
+        return self.algorithm.support
 
     @classmethod
     def profile(cls, name: str, **changes: Any) -> Self:

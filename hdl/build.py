@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from typing import Any, Literal, Self
 
 from golden.algorithm import FIT_REACH
-from golden.checks import plain_integer
-from golden.formats import MAX_SIDE
 from golden.options import option
 from golden.parameters import Parameters
 
@@ -98,7 +96,6 @@ class Build(Parameters):
             raise ValueError(
                 f"refinement_units is {self.refinement_units}; allowed with fit {self.algorithm.fit!r}: 0, 1"
             )
-        plain_integer(self, "max_width", self.min_width, MAX_SIDE)
 
     @property
     def min_width(self) -> int:

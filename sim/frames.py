@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from golden import Settings, check_image, decode, decode_frame_end
 from golden.output_constructor import END_OF_FRAME, FLAG_SHIFT, Flag
 from hdl.build import Build
+from sim.beats import beat_count, beats
 from sim.engine import VCD_CLOCKS, Engine, Progress
-from sim.stimulus import Capture, Clocks, Stalls, Stimulus, Words
+from sim.stimulus import Capture, Clocks, Stalls, Stimulus, Words, default_max_clocks
 
 Frame = tuple[NDArray[Any], Settings]
 """An image and what to process it with."""
@@ -33,10 +34,11 @@ class FrameRun:
     records
         The 64-bit words of the frame, the end-of-frame record included, shape (n,).
     clocks
-        From this frame's first pixel to the next one's; for the last frame, to its last pixel,
-        which is included. Without stalls and waiting this is the number of pixels.
+        From this frame's first beat to the next one's; for the last frame, to its last beat, which
+        is included. Without stalls and waiting this is the number of beats: of pixels, where
+        ``pixels_per_clock`` is 1.
     first_pixel, last_pixel
-        Clocks in which these were accepted.
+        Clocks in which the beats of these were accepted.
     end_of_frame
         Clock in which the end-of-frame record was taken.
     """
@@ -109,7 +111,10 @@ def _levels(frame: Frame, build: Build) -> dict[str, int]:
 
 
 def frame_stimulus(frames: Sequence[Frame], build: Build, stalls: Stalls) -> Stimulus:
-    """Pixels of all frames back to back; each frame's settings arrive with its first pixel.
+    """Beats of all frames back to back; each frame's settings arrive with its first one.
+
+    What the last beat of a row holds beyond the width comes from the seed of the stalls, and is
+    different for each frame.
 
     Raises
     ------
@@ -121,14 +126,17 @@ def frame_stimulus(frames: Sequence[Frame], build: Build, stalls: Stalls) -> Sti
     for image, settings in frames:
         check_image(image, build)
         settings.check(build)
-    starts = np.cumsum([0] + [image.size for image, _ in frames])
-    pixels = np.concatenate([np.ravel(image) for image, _ in frames]).astype(np.uint64)
+    given = [
+        beats(image, build, np.random.default_rng([stalls.seed, number]))
+        for number, (image, _) in enumerate(frames)
+    ]
+    starts = np.cumsum([0] + [len(each) for each in given])
     levels = [(int(start), _levels(frame, build)) for start, frame in zip(starts, frames, strict=False)]
-    return Stimulus({"i": pixels}, levels, stalls)
+    return Stimulus({"i": np.concatenate(given)}, levels, stalls)
 
 
 def split_frames(capture: Capture, sizes: Sequence[int]) -> SimulationResult:
-    """Sort what came out of a detector into frames of ``sizes`` pixels each."""
+    """Sort what came out of a detector into frames of ``sizes`` beats each."""
     words, last = capture.outputs["o"].T
     accepted: Clocks = capture.input_clocks["i"]
     ends = np.flatnonzero(last)[: len(sizes)]
@@ -172,7 +180,7 @@ def simulate_frames(
     build
         What the detector was built with.
     stalls, progress, vcd, vcd_clocks, max_clocks
-        See :meth:`sim.engine.Engine.run`; progress counts pixels.
+        See :meth:`sim.engine.Engine.run`; progress counts beats.
 
     Raises
     ------
@@ -181,10 +189,14 @@ def simulate_frames(
     ValueError, TypeError
         There is no frame, or an image or settings do not fit ``build``.
     """
-    stimulus = frame_stimulus(frames, build, stalls or Stalls())
+    stalls = stalls or Stalls()
+    stimulus = frame_stimulus(frames, build, stalls)
     quiet = _DRAIN_ROWS * max(image.shape[1] for image, _ in frames) + _DRAIN_CLOCKS
+    if max_clocks is None:
+        # several pixels may all be corners, which are refined one after the other
+        max_clocks = default_max_clocks(sum(image.size for image, _ in frames), stalls, quiet)
     capture = engine.run(stimulus, progress, vcd, vcd_clocks=vcd_clocks, quiet=quiet, max_clocks=max_clocks)
-    return split_frames(capture, [image.size for image, _ in frames])
+    return split_frames(capture, [beat_count(image.shape, build) for image, _ in frames])
 
 
 def _compare_words(frame: int, expected: Words, got: Words) -> list[Mismatch]:

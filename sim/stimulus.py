@@ -189,9 +189,8 @@ def _changes(ports: Ports, levels: list[tuple[int, dict[str, int]]]) -> list[tup
     return changes
 
 
-def default_max_clocks(plan_beats: list[Words], stalls: Stalls, quiet: int) -> int:
-    """Eight times what a design needs that takes one beat per clock, and room for its latency."""
-    longest = max((len(beats) for beats in plan_beats), default=0)
+def default_max_clocks(longest: int, stalls: Stalls, quiet: int) -> int:
+    """Eight times what ``longest`` beats take at one per clock, and room for the latency."""
     return 8 * int(longest / ((1 - stalls.inputs) * (1 - stalls.outputs))) + 10 * quiet + 100_000
 
 
@@ -211,7 +210,8 @@ def prepare(ports: Ports, stimulus: Stimulus, *, quiet: int, max_clocks: int | N
             raise ValueError(f"reset_after is {reset_after}; allowed: 0 to {most}, the first stream's beats")
     sources, sinks = stimulus.stalls.patterns(ports)
     if max_clocks is None:
-        max_clocks = default_max_clocks(beats, stimulus.stalls, quiet)
+        longest = max(map(len, beats), default=0)
+        max_clocks = default_max_clocks(longest, stimulus.stalls, quiet)
     changes = _changes(ports, stimulus.levels)
     return Plan(ports, beats, sources, sinks, changes, reset_after, Limits(quiet, max_clocks))
 

@@ -52,18 +52,23 @@ class _Wanted:
 
     def check_size(self, name: str, size: tuple[int, int], *, turned: bool = False) -> None:
         sizes = [size, size[::-1]] if turned else [size]
-        least = self.parameters.algorithm.support
+        least_width, least_height = self._least
         if not any(
-            least <= width <= self.parameters.max_width and least <= height <= self.parameters.max_height
+            least_width <= width <= self.parameters.max_width
+            and least_height <= height <= self.parameters.max_height
             for width, height in sizes
         ):
             raise BadInput(f"{name} is {size[0]}x{size[1]} pixels; {self.allowed_size}")
 
     @property
+    def _least(self) -> tuple[int, int]:
+        return self.parameters.min_width, self.parameters.algorithm.support
+
+    @property
     def allowed_size(self) -> str:
         largest = f"{self.parameters.max_width}x{self.parameters.max_height}"
-        side = self.parameters.algorithm.support
-        least = f"allowed: {side}x{side} up to"
+        width, height = self._least
+        least = f"allowed: {width}x{height} up to"
         if self.options:
             return f"{least} the built maximum of {largest} (see --max-width, --max-height)"
         return f"{least} {largest}"
