@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Mux, Signal, Value, unsigned
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -12,12 +12,7 @@ from golden.video import Event
 from hdl.build import Build
 from hdl.parts.optional import optional
 from hdl.parts.probes import probe
-
-
-def pixel_shape(build: Build) -> Any:
-    """What comes in a clock: a pixel, or an array of several, the leftmost first."""
-    pixel, lanes = unsigned(build.pixel_bits), build.pixels_per_clock
-    return pixel if lanes == 1 else data.ArrayLayout(pixel, lanes)
+from hdl.sample import pixels_shape
 
 
 def video_layout(build: Build) -> data.StructLayout:
@@ -28,7 +23,7 @@ def video_layout(build: Build) -> data.StructLayout:
     lanes = build.pixels_per_clock
     return data.StructLayout(
         {
-            "pixel": pixel_shape(build),
+            "pixel": pixels_shape(build),
             **optional(lanes > 1, last_lane=range(lanes)),
             "sof": 1,
             "eol": 1,
@@ -40,7 +35,7 @@ def arriving_layout(build: Build) -> data.StructLayout:
     """A beat as it comes; with several pixels per clock ``keep`` says which of them are there."""
     lanes = build.pixels_per_clock
     return data.StructLayout(
-        {"pixel": pixel_shape(build), **optional(lanes > 1, keep=lanes), "sof": 1, "eol": 1}
+        {"pixel": pixels_shape(build), **optional(lanes > 1, keep=lanes), "sof": 1, "eol": 1}
     )
 
 

@@ -11,10 +11,11 @@ from amaranth.lib.wiring import In, Out
 from hdl.build import Build
 from hdl.candidate_selection import corner_flag_layout
 from hdl.edges.corner_marks import CornerMarks
-from hdl.edges.frame_guard import pixel_shape, video_layout
+from hdl.edges.frame_guard import video_layout
 from hdl.edges.overlay import overlay_layout
 from hdl.parts.probes import probe
 from hdl.parts.queue import Queue
+from hdl.sample import pixels_shape
 
 _BEATS = 384
 """Further beats that come until a row's last candidate is decided: the ring, and a reserve."""
@@ -47,7 +48,7 @@ class LaneOverlay(wiring.Component):
     def __init__(self, build: Build) -> None:
         self._build = build
         self._stored = data.StructLayout(
-            {"pixel": pixel_shape(build), "last_lane": range(build.pixels_per_clock), "tag": 1}
+            {"pixel": pixels_shape(build), "last_lane": range(build.pixels_per_clock), "tag": 1}
         )
         super().__init__(
             {
