@@ -5,16 +5,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Value, signed, unsigned
+from amaranth.hdl import C, Cat, Module, ShapeLike, Value, signed, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.convolution import SHIFT
 from golden.formats import SMOOTHING_SIZE
 from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.gradient_squares import GradientSquares
-from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
-from hdl.preprocessing import sizes_layout
+from hdl.parts.lanes import Lanes, deliver, each_lane, lanes_of
+from hdl.parts.stream import Beat, Columns, Pipeline
+from hdl.preprocessing import sizes_layout, sizes_shape
 
 LATE_ROWS = (1, 2, 3)
 """Rows looked up a clock after the outer two, so that their sums do not meet in one clock."""
@@ -27,63 +29,62 @@ def products_layout(parameters: Parameters) -> data.StructLayout:
     return data.StructLayout({"a": unsigned(bits), "b": unsigned(bits), "c": c})
 
 
-class ConvolutionUnit:
-    """Sum of one channel under the kernel [1 2 2 2 1]ᵀ[1 2 2 2 1], not yet divided by 64.
+def products_shape(build: Build) -> ShapeLike:
+    """The products of a beat: ``products_layout(build)``, or an array of it, the leftmost first."""
+    return lanes_of(products_layout(build), build.pixels_per_clock)
 
-    The latency is 3. The first sum is that of the column. It then meets the four columns before it
-    in a chain of adders, in which each register holds the part of one window that has been seen.
-    These registers move from beat to beat, not from clock to clock.
+
+def _kernel_sum(rows: list[Lanes], name: str, *, half: bool = False) -> Lanes:
+    """Sum of one channel under the kernel [1 2 2 2 1]ᵀ[1 2 2 2 1], not yet divided by 64.
 
     Parameters
     ----------
-    pipe
-        The pipeline of the block that this is a part of.
     rows
-        Five unsigned values of one width; the middle three come a clock after the others.
-    beat
-        Is there a beat, two clocks after the outer rows?
+        Five rows of unsigned values of one width; the middle three come a clock after the others.
     name
         Name of the channel.
     half
         Add 32, half a unit of the result. ``rows`` must be squares: these are 0 or 1 modulo 4.
 
-    Members
+    Returns
     -------
-    total
-        The sum, six bits wider than a row, with the window's last column.
+    The sum, six bits wider than a row, with the window's last column: 3 clocks after the outer
+    rows, or 6 with several pixels per clock.
     """
+    second, width = rows[1], len(rows[0].values[0])
+    if half:
+        # bit 1 of a square is always 0: a 2 there, in a row of weight 2, in columns of weight 8, is
+        # 32
+        second = second.map(lambda square: Cat(square[0], C(1, 1), square[2:]))
+    # r0 + r4, then + 2·r1, and r2 + r3; what is doubled leaves bit 0 alone
+    outer = (rows[0] + rows[4]).register(f"{name}_outer")
+    upper = outer.map(lambda ends, row: Cat(ends[0], ends[1:] + row), second).register(f"{name}_upper")
+    inner = (rows[2] + rows[3]).register(f"{name}_inner")
+    column = upper.map(lambda above, row: Cat(above[0], above[1:] + row)[: width + 3], inner)
+    if len(column) > 1:
+        # neighbouring lanes share sums of two and of four columns
+        column = column.register(f"{name}_column")
+        pairs = (column + column.back(1)).register(f"{name}_pairs")
+        fours = (pairs + pairs.back(1)).register(f"{name}_fours")
+        return (fours + fours.back(2))[: width + SHIFT].register(f"{name}_total")
+    # the column meets the four before it in a chain of adders, in which each register holds the
+    # part of one window that has been seen
+    taps = column.back(1)
+    for k in range(2, SMOOTHING_SIZE):
+        # 1 + 2 + 2 + 2: never more than three bits above the column's sum
+        sums = taps.map(_tap, column, name=f"{name}_taps_{k}")
+        taps = sums.back(1)
+    return (taps + column)[: width + SHIFT].register(f"{name}_total")
 
-    latency = 3
 
-    def __init__(
-        self, pipe: Pipeline, rows: list[Value], beat: Value, name: str, *, half: bool = False
-    ) -> None:
-        def chained(value: Value, stage: str) -> Value:
-            return pipe.register(value, f"{name}_{stage}", when=beat)
-
-        second = rows[1]
-        if half:
-            # bit 1 of a square is always 0: a 2 there, in a row of weight 2, in columns of weight
-            # 8, is 32
-            second = Cat(second[0], C(1, 1), second[2:])
-        # r0 + r4, then + 2·r1, and r2 + r3; what is doubled leaves bit 0 alone
-        outer = pipe.register(rows[0] + rows[4], f"{name}_outer")
-        upper = pipe.register(Cat(outer[0], outer[1:] + second), f"{name}_upper")
-        inner = pipe.register(rows[2] + rows[3], f"{name}_inner")
-        column = Cat(upper[0], upper[1:] + inner)[: len(rows[0]) + 3]
-
-        taps = chained(column, "taps_1")
-        for k in range(2, SMOOTHING_SIZE):
-            # 1 + 2 + 2 + 2: never more than three bits above the column's sum
-            sum_above = (taps[1:] + column)[: len(column) + 2]
-            taps = chained(Cat(taps[0], sum_above), f"taps_{k}")
-        self.total = pipe.register((taps + column)[: len(rows[0]) + SHIFT], f"{name}_total")
+def _tap(taps: Value, column: Value) -> Value:
+    return Cat(taps[0], (taps[1:] + column)[: len(column) + 2])
 
 
 class Convolution(wiring.Component):
     """Smooths A, B and C: kernel [1 2 2 2 1]ᵀ[1 2 2 2 1] / 64, rounded once, half away from zero.
 
-    Takes columns of five rows of numbers, delivers rows four positions shorter. With a, b and d the
+    Takes columns of five rows of numbers, delivers rows four columns shorter. With a, b and d the
     squares of gx, gy and their difference, gx·gy = (a + b - d) / 2: so A and B are sums of a and b,
     and C = (A + B - D) / 2 with D that of d, made of the full sums before any of them is rounded.
     The half of rounding is already in the sums of a and b, so in C too.
@@ -94,27 +95,33 @@ class Convolution(wiring.Component):
     Members
     -------
     i
-        Stream of ``Columns(sizes_layout(parameters), 5)``.
+        Stream of ``Columns(sizes_shape(parameters), 5)``.
     o
-        Stream of ``Beat(products_layout(parameters))``.
+        Stream of ``Beat(products_shape(parameters))``.
     """
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._signed = parameters.algorithm.gradient == "signed"
         self._bits = parameters.product_bits
-        sizes = sizes_layout(parameters)
-        self._squares = GradientSquares(sizes, SMOOTHING_SIZE)
+        self._lanes = parameters.pixels_per_clock
+        self._lost = 2 * parameters.algorithm.response_margin - (SMOOTHING_SIZE - 1)
+        # rows of all lanes; two differences that share a table lie in one row, or in rows that are
+        # looked up in the same clock
+        self._squares = GradientSquares(sizes_layout(parameters), SMOOTHING_SIZE * self._lanes)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(sizes, SMOOTHING_SIZE))),
-                "o": Out(stream.Signature(Beat(products_layout(parameters)))),
+                "i": In(stream.Signature(Columns(sizes_shape(parameters), SMOOTHING_SIZE))),
+                "o": Out(stream.Signature(Beat(products_shape(parameters)))),
             }
         )
 
     @property
     def latency(self) -> int:
-        """Signed products round on either side of zero, which takes a clock of its own."""
-        return GradientSquares.latency + ConvolutionUnit.latency + self._signed
+        """Signed products round on either side of zero, which takes a clock of its own.
+
+        With several pixels per clock there are three sums more, and a clock for C of either kind.
+        """
+        return GradientSquares.latency + (3 + self._signed if self._lanes == 1 else 7)
 
     @property
     def memory_bits(self) -> int:
@@ -123,34 +130,50 @@ class Convolution(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
-        step = pipe.valid & pipe.advance
-        window = WindowCounter(m, SMOOTHING_SIZE, step=step, eol=self.i.payload.eol)
-        beat = pipe.delay(pipe.valid, GradientSquares.latency + 2, "beat", reset=True)
-        squares = self._squares.look_up(m, pipe, self.i.payload.data, LATE_ROWS)
-
-        def total(name: str, half: bool) -> Value:
-            return ConvolutionUnit(pipe, squares[name], beat, name, half=half).total
-
-        a, b, d = total("a", True), total("b", True), total("d", False)
-        c = self._signed_cross(pipe, a, b, d) if self._signed else self._cross(a, b, d)
-        waits = int(self._signed)
-        m.d.comb += [
-            self.o.valid.eq(pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)),
-            self.o.payload.data.a.eq(pipe.delay(a[SHIFT:], waits, "a_rounded")),
-            self.o.payload.data.b.eq(pipe.delay(b[SHIFT:], waits, "b_rounded")),
-            self.o.payload.data.c.eq(c),
-            self.o.payload.eol.eq(pipe.delay(self.i.payload.eol, self.latency, "eol")),
-            self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
-        ]
+        squares = self._look_up(m, pipe)
+        a, b, d = (_kernel_sum(squares[name], name, half=name != "d") for name in "abd")
+        if self._signed:
+            c = self._signed_cross(a, b, d)
+        elif self._lanes == 1:
+            c = a.map(lambda a, b, d: ((a + b)[1:] - d[1:])[SHIFT:], b, d)
+        else:
+            # a + b - d is even, so bit 0 of a + b is that of d, and neither is needed
+            c = (a + b)[1:].register("both").map(lambda ab, d: (ab - d)[SHIFT:], d[1:].register("d_half"))
+        a, b = (
+            total[SHIFT:].register(f"{name}_rounded", c.clock - total.clock)
+            for name, total in (("a", a), ("b", b))
+        )
+        for lane, products in enumerate(each_lane(self.o.payload.data, self._lanes)):
+            m.d.comb += [
+                products.a.eq(a.values[lane]),
+                products.b.eq(b.values[lane]),
+                products.c.eq(c.values[lane]),
+            ]
+        deliver(m, pipe, self.i, self.o, c, lost=self._lost, more=SMOOTHING_SIZE - 1)
         return m
 
-    @staticmethod
-    def _cross(a: Value, b: Value, d: Value) -> Value:
-        """C rounded: a + b - d is even, so bit 0 of a + b is that of d, and neither is needed."""
-        return ((a + b)[1:] - d[1:])[SHIFT:]
+    def _look_up(self, m: Module, pipe: Pipeline) -> dict[str, list[Lanes]]:
+        """Squares by channel and row."""
+        lanes, newest = self._lanes, self.i.payload.data
+        column = [sizes for row in range(SMOOTHING_SIZE) for sizes in each_lane(newest[row], lanes)]
+        late = tuple(row * lanes + lane for row in LATE_ROWS for lane in range(lanes))
+        found = self._squares.look_up(m, pipe, column, late)
+        return {
+            name: [
+                Lanes(
+                    pipe,
+                    values[row * lanes : (row + 1) * lanes],
+                    f"{name}_square_{row}",
+                    GradientSquares.latency + (row in LATE_ROWS),
+                )
+                for row in range(SMOOTHING_SIZE)
+            ]
+            for name, values in found.items()
+        }
 
-    def _signed_cross(self, pipe: Pipeline, a: Value, b: Value, d: Value) -> Value:
+    def _signed_cross(self, a: Lanes, b: Lanes, d: Lanes) -> Lanes:
         """C rounded, one clock later: halves away from zero."""
         # subtracted without its carry: C + 31, to which only those from 0 up still add 1
-        lower = pipe.register(((a + b)[1:] + ~d[1:])[: self._bits + SHIFT + 1].as_signed(), "lower")
-        return (lower + ~lower[-1]) >> SHIFT
+        size = self._bits + SHIFT + 1
+        lower = a.map(lambda a, b, d: ((a + b)[1:] + ~d[1:])[:size].as_signed(), b, d).register("lower")
+        return lower.map(lambda lower: (lower + ~lower[-1]) >> SHIFT)

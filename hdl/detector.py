@@ -152,8 +152,9 @@ class Detector(wiring.Component):
         # each buffer starts reading a row when its last value is in, and ends one row's length
         # later
         algorithm = self._parameters.algorithm
-        lost = [*range(algorithm.pixel_passes + 1), algorithm.response_margin]
-        return self.latency + sum(width - 2 * each - 1 for each in lost)
+        passes, lanes = algorithm.pixel_passes, self._parameters.pixels_per_clock
+        lost = [*range(passes + 1 + self._parameters.buffers_gradients), algorithm.response_margin]
+        return self.latency + sum(-(-width // lanes) - 2 * each // lanes - 1 for each in lost)
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()

@@ -82,7 +82,7 @@ class FrameControl(wiring.Component):
         with m.If(first & ~self.settings.valid):
             m.d.sync += [
                 # beats of a row, less 2
-                last_but_one_x.eq((width - (lanes + 1)) >> lane_bits),
+                last_but_one_x.eq((width - (lanes + 1))[lane_bits:]),
                 last_but_one_y.eq(_clamped(self.height, least, p.max_height) - 2),
                 self.settings.payload.eq(settings),
             ]

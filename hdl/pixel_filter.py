@@ -4,57 +4,76 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Value, unsigned
+from amaranth.hdl import C, Cat, Module, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.parameters import Parameters
-from hdl.parts.stream import Beat, Columns, Pipeline, WindowCounter
+from hdl.build import Build
+from hdl.parts.lanes import Lanes, deliver, each_lane
+from hdl.parts.stream import Beat, Columns, Pipeline
+from hdl.sample import pixels_shape
 
 FILTER_ROWS = 3
 """Rows of pixels that one smoothed row needs."""
 
 
 class PixelFilter(wiring.Component):
-    """One pass of ``golden.pixel_filter``: rows come out two positions shorter.
+    """One pass of ``golden.pixel_filter``: rows come out two columns shorter.
 
         clock 1   a + 2b + c down the column
-        clock 2   the same along the row: each column meets the two before it in a chain of adders
+        clock 2   the same along the row
+
+    With one pixel per clock each column meets the two before it in a chain of adders; with several
+    the sums of two neighbours are shared, which takes a clock more.
+
+    Parameters
+    ----------
+    parameters
+        Parameters of the detector.
+    lost
+        Columns of a row that are lost already.
 
     Members
     -------
     i
-        Stream of ``Columns(unsigned(pixel_bits), 3)``.
+        Stream of ``Columns(pixels_shape(parameters), 3)``.
     o
-        Stream of ``Beat(unsigned(pixel_bits))``.
+        Stream of ``Beat(pixels_shape(parameters))``.
     """
 
-    latency = 2
-
-    def __init__(self, parameters: Parameters) -> None:
-        pixel = unsigned(parameters.pixel_bits)
+    def __init__(self, parameters: Build, lost: int = 0) -> None:
+        self._lanes = parameters.pixels_per_clock
+        self._lost = lost
+        pixels = pixels_shape(parameters)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(pixel, FILTER_ROWS))),
-                "o": Out(stream.Signature(Beat(pixel))),
+                "i": In(stream.Signature(Columns(pixels, FILTER_ROWS))),
+                "o": Out(stream.Signature(Beat(pixels))),
             }
         )
+
+    @property
+    def latency(self) -> int:
+        return 2 if self._lanes == 1 else 3
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
-        window = WindowCounter(m, FILTER_ROWS, step=pipe.valid & pipe.advance, eol=self.i.payload.eol)
-        beat = pipe.register(pipe.valid, "beat", reset=True)
-        down = pipe.register(binomial(*self.i.payload.data), "down")
-        one = pipe.register(down, "one", when=beat)
-        three = pipe.register(one + (down << 1), "three", when=beat)
-        m.d.comb += [
-            self.o.valid.eq(pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)),
-            self.o.payload.data.eq(pipe.register((three + down)[4:], "smoothed")),
-            self.o.payload.eol.eq(pipe.delay(self.i.payload.eol, self.latency, "eol")),
-            self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
-        ]
+        rows = [Lanes(pipe, each_lane(row, self._lanes), "row") for row in self.i.payload.data]
+        smoothed = _along(rows[0].map(binomial, *rows[1:]).register("down"))
+        for pixel, value in zip(each_lane(self.o.payload.data, self._lanes), smoothed.values, strict=True):
+            m.d.comb += pixel.eq(value)
+        deliver(m, pipe, self.i, self.o, smoothed, lost=self._lost, more=FILTER_ROWS - 1)
         return m
+
+
+def _along(down: Lanes) -> Lanes:
+    """[1 2 1] / 16 along the row."""
+    if len(down) == 1:
+        three = down.back(1).map(lambda one, here: one + (here << 1), down)
+        return (three.back(1) + down)[4:].register("smoothed")
+    pairs = (down + down.back(1)).register("pairs")
+    return (pairs + pairs.back(1))[4:].register("smoothed")
 
 
 def binomial(above: Value, here: Value, below: Value) -> Value:

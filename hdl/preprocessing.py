@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Module, Signal, Value, unsigned
+from amaranth.hdl import C, Module, ShapeLike, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.formats import SMOOTHING_SIZE
 from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.parts.arithmetic import add_with_carry, magnitude
-from hdl.parts.stream import Columns, Pipeline, WindowCounter
+from hdl.parts.lanes import Lanes, deliver, each_lane, lanes_of
+from hdl.parts.stream import Columns, Pipeline
+from hdl.sample import pixels_shape
 
 PIXEL_ROWS = SMOOTHING_SIZE + 2
 """Rows of pixels that give SMOOTHING_SIZE rows of gradients."""
@@ -27,12 +30,17 @@ def sizes_layout(parameters: Parameters) -> data.StructLayout:
     return data.StructLayout({"gx": bits, "gy": bits, "difference": difference})
 
 
+def sizes_shape(build: Build) -> ShapeLike:
+    """The sizes of a beat: ``sizes_layout(build)``, or an array of it, the leftmost first."""
+    return lanes_of(sizes_layout(build), build.pixels_per_clock)
+
+
 class Preprocessing(wiring.Component):
     """Sizes of the gradients and of their differences, for the five rows of a column.
 
-    Takes columns of seven rows of pixels, delivers rows two positions shorter. The gradients of a
+    Takes columns of seven rows of pixels, delivers rows two columns shorter. The gradients of a
     pixel are made anew for each of the five rows of the smoothing window that it passes: pixels
-    wait in less memory.
+    wait in less memory. With three rows of pixels they are made once, to be buffered.
 
         clock 1   gx, gy
         clock 2   |gx|, |gy|, and ±(|gx| - |gy|) (absolute) or gx - gy (signed)
@@ -47,27 +55,28 @@ class Preprocessing(wiring.Component):
     Parameters
     ----------
     parameters
-        Parameters of the detector; ``pixel_bits``, ``gradient`` and ``derivative`` matter.
+        Parameters of the detector.
     rows
         Rows of pixels.
 
     Members
     -------
     i
-        Stream of ``Columns(unsigned(pixel_bits), rows)``.
+        Stream of ``Columns(pixels_shape(parameters), rows)``.
     o
-        Stream of ``Columns(sizes_layout(parameters), rows - 2)``.
+        Stream of ``Columns(sizes_shape(parameters), rows - 2)``.
     """
 
-    def __init__(self, parameters: Parameters, rows: int = PIXEL_ROWS) -> None:
+    def __init__(self, parameters: Build, rows: int = PIXEL_ROWS) -> None:
         self._signed = parameters.algorithm.gradient == "signed"
         self._sobel = parameters.algorithm.derivative == "sobel"
+        self._lost = 2 * parameters.algorithm.pixel_passes
         self._rows = rows
-        pixel = unsigned(parameters.pixel_bits)
+        self._lanes = parameters.pixels_per_clock
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(pixel, rows))),
-                "o": Out(stream.Signature(Columns(sizes_layout(parameters), rows - 2))),
+                "i": In(stream.Signature(Columns(pixels_shape(parameters), rows))),
+                "o": Out(stream.Signature(Columns(sizes_shape(parameters), rows - 2))),
             }
         )
 
@@ -78,65 +87,51 @@ class Preprocessing(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
-        step = pipe.valid & pipe.advance
-        window = WindowCounter(m, 3, step=step, eol=self.i.payload.eol)
-        for row, (gx, gy) in enumerate(self._smoothed(pipe) if self._sobel else self._gradients(pipe)):
-            # | |gx| - |gy| | is |gx - gy| where the signs are equal, |gx + gy| where not
-            subtract = C(1, 1) if self._signed else ~(gx[-1] ^ gy[-1])
-            second = (gy.as_unsigned() ^ subtract.replicate(len(gy))).as_signed()
-            difference = add_with_carry(gx, second, subtract)[: len(gx) + self._signed].as_signed()
-            sizes = self.o.payload.data[row]
-            m.d.comb += [
-                sizes.gx.eq(pipe.register(magnitude(gx), f"gx_size_{row}")),
-                sizes.gy.eq(pipe.register(magnitude(gy), f"gy_size_{row}")),
-                sizes.difference.eq(magnitude(pipe.register(difference, f"difference_{row}"))),
-            ]
-        m.d.comb += [
-            self.o.valid.eq(pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)),
-            self.o.payload.eol.eq(pipe.delay(self.i.payload.eol, self.latency, "eol")),
-            self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
-        ]
+        newest = self.i.payload.data
+        rows = [Lanes(pipe, each_lane(newest[k], self._lanes), f"pixel_{k}") for k in range(self._rows)]
+        for row in range(self._rows - 2):
+            make = self._smoothed if self._sobel else self._gradients
+            above, here, below = rows[row : row + 3]
+            gx, gy = make(above, here, below, row)
+            size_x, size_y = (
+                gradient.map(magnitude).register(f"{name}_size_{row}")
+                for name, gradient in (("gx", gx), ("gy", gy))
+            )
+            difference = gx.map(self._difference, gy).register(f"difference_{row}").map(magnitude)
+            for lane, sizes in enumerate(each_lane(self.o.payload.data[row], self._lanes)):
+                m.d.comb += [
+                    sizes.gx.eq(size_x.values[lane]),
+                    sizes.gy.eq(size_y.values[lane]),
+                    sizes.difference.eq(difference.values[lane]),
+                ]
+        deliver(m, pipe, self.i, self.o, difference, lost=self._lost, more=2)
         return m
 
-    def _gradients(self, pipe: Pipeline) -> list[tuple[Signal, Signal]]:
-        """gx and gy by row, signed. The window's centre is the column before the newest."""
-        newest = self.i.payload.data
-        centre = [pipe.register(newest[row], f"centre_{row}", when=pipe.valid) for row in range(self._rows)]
-        gradients = []
-        for row in range(1, self._rows - 1):
-            left = pipe.register(centre[row], f"left_{row}", when=pipe.valid)
-            gx = pipe.register(left - newest[row], f"gx_{row - 1}")
-            gy = pipe.register(centre[row - 1] - centre[row + 1], f"gy_{row - 1}")
-            gradients.append((gx, gy))
-        return gradients
+    def _difference(self, gx: Value, gy: Value) -> Value:
+        """gx - gy, or a number of the size of | |gx| - |gy| |."""
+        # that is |gx - gy| where the signs are equal, |gx + gy| where not
+        subtract = C(1, 1) if self._signed else ~(gx[-1] ^ gy[-1])
+        second = (gy.as_unsigned() ^ subtract.replicate(len(gy))).as_signed()
+        return add_with_carry(gx, second, subtract)[: len(gx) + self._signed].as_signed()
 
-    def _smoothed(self, pipe: Pipeline) -> list[tuple[Signal, Signal]]:
-        """gx and gy by row, smoothed across; two clocks later than without."""
-        newest = self.i.payload.data
-        beat = pipe.register(pipe.valid, "beat", reset=True)
-        gradients = []
-        for row in range(1, self._rows - 1):
-            ends = newest[row - 1] + newest[row + 1]
-            down = pipe.register(ends + (newest[row] << 1), f"down_{row}")
-            # the window's centre is one column behind the newest
-            centre = pipe.register(down, f"down_centre_{row}", when=beat)
-            left = pipe.register(centre, f"down_left_{row}", when=beat)
-            gx = pipe.register(left - down, f"gx_sum_{row - 1}")
+    @staticmethod
+    def _gradients(above: Lanes, here: Lanes, below: Lanes, row: int) -> tuple[Lanes, Lanes]:
+        """gx and gy, signed. The window's centre is the column before the newest."""
+        gx = (here.back(2) - here).register(f"gx_{row}")
+        return gx, (above.back(1) - below.back(1)).register(f"gy_{row}")
 
-            slope = pipe.register(newest[row - 1] - newest[row + 1], f"slope_{row}")
-            slopes = slope + pipe.register(slope, f"slope_centre_{row}", when=beat)
-            gy = pipe.register(
-                slopes + pipe.register(slopes, f"slopes_centre_{row}", when=beat), f"gy_sum_{row - 1}"
-            )
-            gradients.append(
-                (
-                    pipe.register(_quarter(gx), f"gx_{row - 1}"),
-                    pipe.register(_quarter(gy), f"gy_{row - 1}"),
-                )
-            )
-        return gradients
+    @staticmethod
+    def _smoothed(above: Lanes, here: Lanes, below: Lanes, row: int) -> tuple[Lanes, Lanes]:
+        """gx and gy, smoothed across; two clocks later than without."""
+        # the window's centre is one column behind the newest
+        down = (above + below).map(lambda ends, middle: ends + (middle << 1), here).register(f"down_{row}")
+        gx = (down.back(2) - down).register(f"gx_sum_{row}")
+        slope = (above - below).register(f"slope_{row}")
+        slopes = slope.map(lambda here, left: here + left, slope.back(1), name=f"slopes_{row}")
+        gy = (slopes + slopes.back(1)).register(f"gy_sum_{row}")
+        return gx.map(_quarter).register(f"gx_{row}"), gy.map(_quarter).register(f"gy_{row}")
 
 
-def _quarter(value: Signal) -> Value:
+def _quarter(value: Value) -> Value:
     """A quarter, rounded to nearest, halves away from zero."""
     return add_with_carry(value, C(1, 2).as_signed(), ~value[-1])[2 : len(value)].as_signed()

@@ -5,10 +5,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, unsigned
+from amaranth.hdl import Module
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
+from golden.formats import SMOOTHING_SIZE
 from hdl.adaptation import adapted_layout
 from hdl.build import Build
 from hdl.convolution import Convolution
@@ -19,9 +20,9 @@ from hdl.parts.optional import optional
 from hdl.parts.stream import Beat, SkidBuffer
 from hdl.pixel_filter import FILTER_ROWS, PixelFilter
 from hdl.pixel_store import PixelStore, store_members
-from hdl.preprocessing import PIXEL_ROWS, Preprocessing
+from hdl.preprocessing import PIXEL_ROWS, Preprocessing, sizes_shape
 from hdl.response import Response
-from hdl.sample import response_layout
+from hdl.sample import pixels_shape, responses_shape
 from hdl.step_layouts import reads_pixels, rows_kept
 from hdl.thresholds import Thresholds, settings_layout, settings_members, thresholds_layout
 
@@ -33,49 +34,64 @@ class ResponseStage(wiring.Component):
             ┌───────────────────────────────────────────────────────────────┘
             └ buffer 7 ─ preprocessing ─ convolution ─ response ─ skid ─ thresholds ─ samples
 
+    From four pixels per clock on, gradients are made once: buffer 3 ─ preprocessing ─ buffer 5.
+
     There is a pixel filter for each time that pixels are smoothed, with two rows of pixels (lean)
     of its own; and a pixel store for the gradient step, which reads pixels as they come.
 
     Members
     -------
     i
-        Stream of pixels, unsigned(pixel_bits).
+        Stream of ``pixels_shape(parameters)``, in raster order.
     width, height, and the fields of ``settings_layout(parameters)``
         Size and settings of the next frame, as in :class:`hdl.frame_control.FrameControl`.
     samples
-        Stream of ``Beat(response_layout(parameters))``, without ``Algorithm.response_margin``.
+        Stream of ``Beat(responses_shape(parameters))``, without ``Algorithm.response_margin``.
     limits
         Stream of ``thresholds_layout(parameters)``, one per frame.
     largest, adapted, adapting
         As in :class:`hdl.thresholds.Thresholds`; the last two with ``budget`` only.
     needed, reading, place, column
         With the gradient step only: as in :class:`hdl.pixel_store.PixelStore`.
+
+    Raises
+    ------
+    ValueError
+        Several pixels per clock with a gradient step.
     """
 
     def __init__(self, parameters: Build) -> None:
         self._parameters = p = parameters
-        pixel, sample = unsigned(p.pixel_bits), response_layout(p)
+        pixels, samples = pixels_shape(p), responses_shape(p)
+        if reads_pixels(p) and p.pixels_per_clock > 1:
+            raise ValueError(f"pixels_per_clock is {p.pixels_per_clock}; allowed with gradient steps: 1")
         self.frame_control = FrameControl(p)
         self._filters: dict[str, Any] = {}
         for k in range(p.algorithm.pixel_passes):
             number = f" {k + 1}" if k else ""
-            buffer = CircularBuffer(pixel, FILTER_ROWS, p.max_width, p.buffering)
-            self._filters |= {f"filter buffer{number}": buffer, f"pixel filter{number}": PixelFilter(p)}
-        self.pixel_buffer = CircularBuffer(pixel, PIXEL_ROWS, p.max_width, p.buffering)
-        self.preprocessing = Preprocessing(p)
+            buffer = CircularBuffer(pixels, FILTER_ROWS, p.beats, p.buffering)
+            self._filters |= {
+                f"filter buffer{number}": buffer,
+                f"pixel filter{number}": PixelFilter(p, 2 * k),
+            }
+        rows = 3 if p.buffers_gradients else PIXEL_ROWS
+        self.pixel_buffer = CircularBuffer(pixels, rows, p.beats, p.buffering)
+        self.preprocessing = Preprocessing(p, rows)
+        size_buffer = CircularBuffer(sizes_shape(p), SMOOTHING_SIZE, p.beats, p.buffering)
+        self._size_buffer = optional(p.buffers_gradients, **{"size buffer": size_buffer})
         self.convolution = Convolution(p)
         self.response = Response(p)
-        self.skid = SkidBuffer(Beat(sample))
+        self.skid = SkidBuffer(Beat(samples))
         self.thresholds = Thresholds(p)
         kept = rows_kept(p)
         self._store = optional(reads_pixels(p), **{"pixel store": PixelStore(p, kept)})
         super().__init__(
             {
-                "i": In(stream.Signature(pixel)),
+                "i": In(stream.Signature(pixels)),
                 "width": In(range(p.max_width + 1)),
                 "height": In(range(p.max_height + 1)),
                 **settings_members(p),
-                "samples": Out(stream.Signature(Beat(sample))),
+                "samples": Out(stream.Signature(Beat(samples))),
                 "limits": Out(stream.Signature(thresholds_layout(p))),
                 "largest": In(p.response_bits),
                 **optional(p.budget, adapted=In(adapted_layout(p)), adapting=In(1)),
@@ -92,6 +108,7 @@ class ResponseStage(wiring.Component):
             **self._filters,
             "pixel buffer": self.pixel_buffer,
             "preprocessing": self.preprocessing,
+            **self._size_buffer,
             "convolution": self.convolution,
             "response": self.response,
             "response skid": self.skid,
@@ -106,9 +123,8 @@ class ResponseStage(wiring.Component):
         connect_by_name(m, wiring.flipped(self), control)
         for name, _ in settings_layout(self._parameters):
             m.d.comb += control.next_settings[name].eq(getattr(self, str(name)))
-        before = (control, *self._store.values(), *self._filters.values(), self.pixel_buffer)
-        chain(m, *before, self.preprocessing, self.convolution, self.response)
-        chain(m, self.response, self.skid, thresholds)
+        # in the order of their way, thresholds last
+        chain(m, *self.blocks.values())
         for store in self._store.values():
             connect_by_name(m, wiring.flipped(self), store, names=store_members(self._parameters, 1))
         wiring.connect(m, thresholds.o, wiring.flipped(self.samples))

@@ -47,28 +47,6 @@ def counting_lanes(last_lanes: Value, lanes: int) -> list[Value]:
     return [(last_lanes > lane) | (last_lanes == 0) for lane in range(lanes)]
 
 
-def complete_beats(
-    m: Module, pipe: Pipeline, eol: ValueLike, lanes: int, *, lost: int, more: int
-) -> ValueLike:
-    """Does the beat that is offered hold any complete column?
-
-    Parameters
-    ----------
-    m, pipe, eol
-        Module and pipeline of the block, and the tag of its input.
-    lanes
-        Columns of a beat.
-    lost
-        Columns of a row that completed nothing before this block.
-    more
-        Columns that it loses itself: those of its window but one.
-    """
-    beats = (lost + more) // lanes - lost // lanes
-    if beats == 0:
-        return 1
-    return WindowCounter(m, beats + 1, step=pipe.valid & pipe.advance, eol=eol).complete
-
-
 class Lanes:
     """A value for each column of a beat, some clocks after the beat has come in.
 
@@ -155,3 +133,30 @@ class Lanes:
 
     def __getitem__(self, bits: Any) -> Lanes:
         return self.map(lambda value: value[bits])
+
+
+def deliver(m: Module, pipe: Pipeline, i: Any, o: Any, values: Lanes, *, lost: int, more: int) -> None:
+    """Drives valid and the tags of a block's output: beats that hold any complete column.
+
+    Parameters
+    ----------
+    m, pipe, i, o
+        Module, pipeline and streams of the block.
+    values
+        What it delivers; says how many clocks that takes.
+    lost
+        Columns of a row that were lost before this block.
+    more
+        Columns that it loses itself: those of its window but one.
+    """
+    lanes = len(values)
+    beats = (lost + more) // lanes - lost // lanes
+    complete: Value = pipe.valid
+    if beats:
+        step = pipe.valid & pipe.advance
+        complete = complete & WindowCounter(m, beats + 1, step=step, eol=i.payload.eol).complete
+    m.d.comb += [
+        o.valid.eq(pipe.delay(complete, values.clock, "valid", reset=True)),
+        o.payload.eol.eq(pipe.delay(i.payload.eol, values.clock, "eol")),
+        o.payload.eof.eq(pipe.delay(i.payload.eof, values.clock, "eof")),
+    ]

@@ -5,17 +5,17 @@ The file has a class ``Response``.
 
 from __future__ import annotations
 
-from amaranth.hdl import unsigned
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from hdl.build import Build
-from hdl.convolution import products_layout
+from hdl.convolution import products_shape
 from hdl.parts.stream import Beat
+from hdl.sample import responses_shape
 
 
 class ResponseBlock(wiring.Component):
-    """D of every smoothed tensor, as ``golden.response`` has it.
+    """D of every smoothed tensor of a beat, as ``golden.response`` has it.
 
     Its registers move together, as those of :class:`hdl.parts.stream.Pipeline`, for every function.
 
@@ -34,16 +34,16 @@ class ResponseBlock(wiring.Component):
     Members
     -------
     i
-        Stream of ``Beat(products_layout(parameters))``, smoothed.
+        Stream of ``Beat(products_shape(parameters))``, smoothed.
     o
-        Stream of ``Beat(unsigned(response_bits))``.
+        Stream of ``Beat(responses_shape(parameters))``.
     """
 
     def __init__(self, parameters: Build) -> None:
         super().__init__(
             {
-                "i": In(stream.Signature(Beat(products_layout(parameters)))),
-                "o": Out(stream.Signature(Beat(unsigned(parameters.response_bits)))),
+                "i": In(stream.Signature(Beat(products_shape(parameters)))),
+                "o": Out(stream.Signature(Beat(responses_shape(parameters)))),
             }
         )
 

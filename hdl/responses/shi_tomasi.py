@@ -10,6 +10,7 @@ from amaranth.hdl import Cat, Module, Mux, Value
 from hdl.build import Build
 from hdl.parts.arithmetic import magnitude
 from hdl.parts.delay_line import DelayLine
+from hdl.parts.lanes import each_lane, lane_name
 from hdl.parts.square_table import SquareTable
 from hdl.parts.stream import Pipeline
 from hdl.responses import ResponseBlock
@@ -28,79 +29,89 @@ class Response(ResponseBlock):
 
     so that with Q, the sum over both numbers of h²·2ⁿ + l², and E, that of (h - l)², the radicand
     is Q + (Q - E)·2ⁿ. A tensor smoothed from real pixels keeps it within 2·root_bits. A + B and the
-    tags wait in a delay line beside all this.
+    tags wait in a delay line beside all this, those of all lanes in the same.
     """
 
     def __init__(self, parameters: Build) -> None:
         self._half = parameters.pixel_bits
         self._bits = parameters.root_bits
         self._response_bits = parameters.response_bits
-        self._root = SquareRoot(self._bits, parameters.sqrt_bits_per_stage)
+        self._lanes = lanes = parameters.pixels_per_clock
+        self._roots = [SquareRoot(self._bits, parameters.sqrt_bits_per_stage) for _ in range(lanes)]
         # one clock less: its last register stands by itself, because the line is block RAM and so
         # far away
-        self._line = DelayLine(self._bits + 2, RADICAND_LATENCY + self._root.latency - 1)
-        self._halves = [SquareTable(self._half) for _ in range(2)]
-        self._differences = SquareTable(self._half + 1, signed_numbers=True)
+        waiting = RADICAND_LATENCY + self._roots[0].latency - 1
+        self._line = DelayLine(self._bits * lanes + 2, waiting)
+        self._tables = [_tables(self._half) for _ in range(lanes)]
         super().__init__(parameters)
 
     @property
     def latency(self) -> int:
         """The last clock takes the difference."""
-        return RADICAND_LATENCY + self._root.latency + 1
+        return RADICAND_LATENCY + self._roots[0].latency + 1
 
     @property
     def memory_bits(self) -> int:
-        tables = sum(table.memory_bits for table in (*self._halves, self._differences))
-        return tables + self._line.memory_bits + self._root.memory_bits
+        tables = sum(table.memory_bits for lane in self._tables for table in lane.values())
+        return tables + self._line.memory_bits + sum(root.memory_bits for root in self._roots)
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
-        m.submodules.square_root = root = self._root
         m.submodules.line = line = self._line
-        a, b = self.i.payload.data.a, self.i.payload.data.b
+        tensors = each_lane(self.i.payload.data, self._lanes)
+        sums = [(tensor.a + tensor.b)[: self._bits] for tensor in tensors]
         m.d.comb += [
-            root.enable.eq(pipe.advance),
-            root.radicand.eq(self._radicand(m, pipe)),
             line.enable.eq(pipe.advance),
-            line.i.eq(Cat((a + b)[: self._bits], self.i.payload.eol, self.i.payload.eof)),
+            line.i.eq(Cat(*sums, self.i.payload.eol, self.i.payload.eof)),
         ]
         waited = pipe.register(line.o, "waited")
-        total, tags = waited[: self._bits], waited[self._bits :]
-        difference = total - root.root
-        # one clear of the whole register where D would be negative
-        clamped = Mux(difference[-1], 0, difference[: self._response_bits])
+        for lane, response in enumerate(each_lane(self.o.payload.data, self._lanes)):
+            m.submodules[lane_name("square_root", lane, self._lanes)] = root = self._roots[lane]
+            m.d.comb += [
+                root.enable.eq(pipe.advance),
+                root.radicand.eq(self._radicand(m, pipe, tensors[lane], lane)),
+            ]
+            difference = waited.word_select(lane, self._bits) - root.root
+            # one clear of the whole register where D would be negative
+            clamped = Mux(difference[-1], 0, difference[: self._response_bits])
+            register = pipe.register(clamped, lane_name("clamped", lane, self._lanes))
+            m.d.comb += response.response.eq(register)
         m.d.comb += [
             self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
-            self.o.payload.data.eq(pipe.register(clamped, "clamped")),
-            Cat(self.o.payload.eol, self.o.payload.eof).eq(pipe.register(tags, "tags")),
+            Cat(self.o.payload.eol, self.o.payload.eof).eq(pipe.register(waited[-2:], "tags")),
         ]
         return m
 
-    def _radicand(self, m: Module, pipe: Pipeline) -> Value:
+    def _radicand(self, m: Module, pipe: Pipeline, tensor: Any, lane: int) -> Value:
         """(A - B)² + (2C)², RADICAND_LATENCY clocks later."""
-        n = self._half
-        data = self.i.payload.data
-        difference, c = pipe.register(data.a - data.b, "difference"), pipe.register(data.c, "c")
-        numbers = [
-            pipe.register(magnitude(difference), "distance"),
-            pipe.register(magnitude(c), "cross"),
-        ]
+        n, tables = self._half, self._tables[lane]
+
+        def stored(value: Value, name: str) -> Value:
+            return pipe.register(value, lane_name(name, lane, self._lanes))
+
+        def squares(name: str, x: list[Value]) -> Value:
+            """Sum of the squares of a part of A - B and of a part of 2C."""
+            m.submodules[lane_name(name, lane, self._lanes)] = table = tables[name]
+            m.d.comb += [table.enable.eq(pipe.advance), Cat(table.x).eq(Cat(*x))]
+            return stored(table.square[0] + (table.square[1] << 2), f"{name}_squares")
+
+        difference, c = stored(tensor.a - tensor.b, "difference"), stored(tensor.c, "c")
+        numbers = [stored(magnitude(difference), "distance"), stored(magnitude(c), "cross")]
         # high halves, low halves, and a clock later their differences
-        m.submodules.high, m.submodules.low = self._halves
-        m.submodules.differences = self._differences
         highs, lows = [x[n:] for x in numbers], [x[:n] for x in numbers]
         steps = [
-            pipe.register(high - low, f"step_{k}")
-            for k, (high, low) in enumerate(zip(highs, lows, strict=True))
+            stored(high - low, f"step_{k}") for k, (high, low) in enumerate(zip(highs, lows, strict=True))
         ]
-        high = self._sum(m, pipe, self._halves[0], highs, "high")
-        low = self._sum(m, pipe, self._halves[1], lows, "low")
-        cross = self._sum(m, pipe, self._differences, steps, "cross")
-        squares = pipe.register((high << n) + low, "squares")
-        return pipe.register((squares + ((squares - cross) << n))[: 2 * self._bits], "radicand")
+        high, low, cross = squares("high", highs), squares("low", lows), squares("differences", steps)
+        both = stored((high << n) + low, "squares")
+        return stored((both + ((both - cross) << n))[: 2 * self._bits], "radicand")
 
-    def _sum(self, m: Module, pipe: Pipeline, table: SquareTable, x: list[Value], name: str) -> Value:
-        """Sum of the squares of a part of A - B and of a part of 2C."""
-        m.d.comb += [table.enable.eq(pipe.advance), Cat(table.x).eq(Cat(*x))]
-        return pipe.register(table.square[0] + (table.square[1] << 2), f"{name}_squares")
+
+def _tables(half: int) -> dict[str, SquareTable]:
+    """Tables of one tensor: of the high halves, the low halves, and their differences."""
+    return {
+        "high": SquareTable(half),
+        "low": SquareTable(half),
+        "differences": SquareTable(half + 1, signed_numbers=True),
+    }

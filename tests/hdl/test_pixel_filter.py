@@ -74,4 +74,6 @@ def test_by_hand(name: EngineName) -> None:
 
 
 def test_latency() -> None:
-    assert PixelFilter.latency == 2
+    """Sums of neighbours are a clock of their own where lanes share them."""
+    assert PixelFilter(Build.profile("paper")).latency == 2
+    assert PixelFilter(Build.profile("paper", pixels_per_clock=2)).latency == 3

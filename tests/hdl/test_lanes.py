@@ -1,0 +1,162 @@
+# amaranth: UnusedElaboratable=no
+"""Blocks from pixels to responses with several pixels per clock, each against the golden model.
+
+Lanes that hold nothing complete, and those beyond the width, go in as noise and are not compared.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.lib.stride_tricks import sliding_window_view
+
+from golden.convolution import smooth
+from golden.pixel_filter import pixel_filter
+from golden.preprocessing import gradients, products
+from golden.response import response
+from hdl.build import Build
+from hdl.convolution import Convolution
+from hdl.pixel_filter import PixelFilter
+from hdl.preprocessing import Preprocessing
+from hdl.response import Response
+from sim.stimulus import Stalls
+from tests.support.beats import LANES, in_beats
+from tests.support.blocks import NO_STALLS, Array, check_block, noise, pack, tags
+
+STALLS = pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(0.3, 0.4, 13)], ids=["unstalled", "both-stall"])
+PROFILES = pytest.mark.parametrize("profile", ["paper", "robust"])
+LANE = pytest.mark.parametrize("lanes", LANES)
+SIZES = ("gx", "gy", "difference")
+
+
+def build(profile: str, lanes: int) -> Build:
+    return Build.profile(profile, pixels_per_clock=lanes)
+
+
+def images(lanes: int) -> list[Array]:
+    """Every remainder of the width, narrow ones too, back to back."""
+    return noise([(9 + k % 4, 25 + k) for k in range(lanes + 1)], 255, dtype=np.uint8)
+
+
+def fields(frames: list[Array], members: tuple[str, ...], rows: int) -> dict[str, Any]:
+    """Beats of (height, beats, ...) frames, or columns of so many rows of them."""
+    if rows:
+        frames = [np.moveaxis(sliding_window_view(frame, rows, axis=0), -1, 2) for frame in frames]
+    values = np.concatenate([frame.reshape(-1, *frame.shape[2:]) for frame in frames])
+    data = {name: values[..., k] for k, name in enumerate(members)} if members else values
+    return {"data": data, **tags([(len(frame), frame.shape[1]) for frame in frames])}
+
+
+def check(
+    block: tuple[Any, ...],
+    given: list[Array],
+    expected: list[Array],
+    stalls: Stalls,
+    *,
+    lost: tuple[int, int],
+    rows: tuple[int, int],
+    members: tuple[tuple[str, ...], tuple[str, ...]] = ((), ()),
+) -> None:
+    """Frames through a block; pairs are of its input and of its output.
+
+    ``lost``: columns of a row that completed nothing; ``rows``: of columns, 0 where there are none.
+    """
+    lanes = block[1].pixels_per_clock
+    inputs, _ = in_beats(given, lanes, lost=lost[0], largest=15)
+    outputs, counting = in_beats(expected, lanes, lost=lost[1], largest=0)
+    make, *arguments = block
+    shape = make(*arguments).o.payload.shape()
+    marks = fields([np.where(counts, -1, 0) for counts in counting], members[1], rows[1])
+    ends = {name: -np.ones_like(marks[name]) for name in ("eol", "eof")}
+    check_block(
+        block,
+        {"i": fields(inputs, members[0], rows[0])},
+        {"o": pack(shape, fields(outputs, members[1], rows[1]))},
+        stalls=stalls,
+        window=lost[1] // lanes - lost[0] // lanes + 1,
+        counting={"o": pack(shape, marks | ends)},
+    )
+
+
+@STALLS
+@pytest.mark.parametrize("passes", [0, 1])
+@LANE
+def test_pixel_filter(lanes: int, passes: int, stalls: Stalls) -> None:
+    frames = images(lanes)
+    smoothed = [pixel_filter(frame.astype(np.uint16), 1).astype(np.int64) for frame in frames]
+    block = PixelFilter, build("paper", lanes), 2 * passes
+    check(block, frames, smoothed, stalls, lost=(2 * passes, 2 * passes + 2), rows=(3, 0))
+
+
+def sizes(image: Array, parameters: Build) -> Array:
+    algorithm = parameters.algorithm
+    gx, gy = (values.astype(np.int64) for values in gradients(image, algorithm.derivative))
+    difference = np.abs(gx - gy if algorithm.gradient == "signed" else np.abs(gx) - np.abs(gy))
+    return np.stack([np.abs(gx), np.abs(gy), difference], axis=-1)
+
+
+@STALLS
+@PROFILES
+@pytest.mark.parametrize("rows", [3, 7])
+@LANE
+def test_preprocessing(lanes: int, rows: int, profile: str, stalls: Stalls) -> None:
+    parameters = build(profile, lanes)
+    frames = images(lanes)
+    expected = [sizes(frame, parameters) for frame in frames]
+    lost = 2 * parameters.algorithm.pixel_passes
+    check(
+        (Preprocessing, parameters, rows),
+        frames,
+        expected,
+        stalls,
+        lost=(lost, lost + 2),
+        rows=(rows, rows - 2),
+        members=((), SIZES),
+    )
+
+
+def tensors(image: Array, parameters: Build) -> Array:
+    algorithm = parameters.algorithm
+    smoothed = [
+        smooth(channel) for channel in products(*gradients(image, algorithm.derivative), algorithm.gradient)
+    ]
+    return np.stack(smoothed, axis=-1)
+
+
+@STALLS
+@PROFILES
+@LANE
+def test_convolution(lanes: int, profile: str, stalls: Stalls) -> None:
+    parameters = build(profile, lanes)
+    frames = images(lanes)
+    lost = 2 * parameters.algorithm.response_margin
+    check(
+        (Convolution, parameters),
+        [sizes(frame, parameters) for frame in frames],
+        [tensors(frame, parameters) for frame in frames],
+        stalls,
+        lost=(lost - 4, lost),
+        rows=(5, 0),
+        members=(SIZES, ("a", "b", "c")),
+    )
+
+
+@STALLS
+@PROFILES
+@LANE
+def test_response(lanes: int, profile: str, stalls: Stalls) -> None:
+    parameters = build(profile, lanes)
+    given = [tensors(frame, parameters) for frame in images(lanes)]
+    expected = [response(*np.moveaxis(frame, -1, 0), parameters)[..., None] for frame in given]
+    lost = 2 * parameters.algorithm.response_margin
+    check(
+        (Response, parameters),
+        given,
+        expected,
+        stalls,
+        lost=(lost, lost),
+        rows=(0, 0),
+        members=(("a", "b", "c"), ("response",)),
+    )
