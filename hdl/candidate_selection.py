@@ -151,7 +151,7 @@ class Selection(wiring.Component):
         wiring.connect(m, pending.o, wiring.flipped(self.pending))
         return candidates, pending
 
-    def _step(self, m: Module, room: Signal) -> Signal:
+    def _take(self, m: Module, room: Signal) -> Signal:
         """A window is taken: everything comes in the same clock."""
         step = Signal()
         m.d.comb += [
@@ -231,7 +231,7 @@ class CandidateSelection(Selection):
         m, p = Module(), self._parameters
         candidates, pending = self._queues(m)
         room, ending = Signal(init=1), Signal()
-        step = self._step(m, room)
+        step = self._take(m, room)
         margin = p.algorithm.margin
         x, y = Signal(PIXEL_COORDINATE_BITS, init=margin), Signal(PIXEL_COORDINATE_BITS, init=margin)
         allowed, place = self._budget(m, step, ending, (x, y)) if p.budget else (C(1), (x, y))

@@ -73,8 +73,8 @@ class CellGrid(wiring.Component):
             m.d.sync += row_starts.eq(self.eol)
         with m.If(row_over):
             m.d.sync += frame_starts.eq(self.eof)
-        right = self._border(m, "x", self.settings.cell_width, row_starts, self.step)
-        lower = self._border(m, "y", self.settings.cell_height, frame_starts, row_over)
+        right = border(m, "x", self.settings.cell_width, self._margin, row_starts, self.step)
+        lower = border(m, "y", self.settings.cell_height, self._margin, frame_starts, row_over)
         before = Signal.like(self.column, name="before")
         m.d.comb += [
             self.column.eq(Mux(row_starts, 0, before)),
@@ -85,15 +85,16 @@ class CellGrid(wiring.Component):
         probe(self, row_starts=row_starts, frame_starts=frame_starts, before=before)
         return m
 
-    def _border(self, m: Module, name: str, side: Value, starts: Signal, step: Value) -> Value:
-        """Is the place the last of its cell? ``starts``: it is the first that can have a corner."""
-        whole, first, left, now = (
-            Signal(range(MAX_CELL), name=f"{what}_{name}") for what in ("whole", "first", "left", "now")
-        )
-        # the first cell has less than the margin's pixels only if the margin is wider than a cell
-        inside = Mux(whole >= self._margin, whole, (whole << 1) + 1) - self._margin
-        m.d.sync += [whole.eq(side - 1), first.eq(inside)]
-        m.d.comb += now.eq(Mux(starts, first, left))
-        with m.If(step):
-            m.d.sync += left.eq(Mux(now == 0, whole, now - 1))
-        return now == 0
+
+def border(m: Module, name: str, side: Value, margin: int, starts: Signal, step: Value) -> Value:
+    """Is the place the last of its cell? ``starts``: it is the first that can have a corner."""
+    whole, first, left, now = (
+        Signal(range(MAX_CELL), name=f"{what}_{name}") for what in ("whole", "first", "left", "now")
+    )
+    # the first cell has less than the margin's pixels only if the margin is wider than a cell
+    inside = Mux(whole >= margin, whole, (whole << 1) + 1) - margin
+    m.d.sync += [whole.eq(side - 1), first.eq(inside)]
+    m.d.comb += now.eq(Mux(starts, first, left))
+    with m.If(step):
+        m.d.sync += left.eq(Mux(now == 0, whole, now - 1))
+    return now == 0

@@ -29,6 +29,8 @@ class Maxima(wiring.Component):
         Parameters of the detector.
     columns
         ``Columns`` of samples or responses.
+    members
+        Further members.
 
     Members
     -------
@@ -40,13 +42,19 @@ class Maxima(wiring.Component):
         Stream of ``Beat(corner_layout(parameters))``.
     """
 
-    def __init__(self, parameters: Parameters, columns: data.StructLayout) -> None:
+    def __init__(
+        self,
+        parameters: Parameters,
+        columns: data.StructLayout,
+        members: dict[str, wiring.Member] | None = None,
+    ) -> None:
         self._parameters = parameters
         super().__init__(
             {
                 "i": In(stream.Signature(columns)),
                 "t1": In(stream.Signature(unsigned(parameters.response_bits))),
                 "o": Out(stream.Signature(Beat(corner_layout(parameters)))),
+                **(members or {}),
             }
         )
 

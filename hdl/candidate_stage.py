@@ -1,0 +1,236 @@
+# amaranth: UnusedElaboratable=no
+"""Middle stage of the detector with several pixels per clock: only candidates have windows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module, Signal
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.algorithm import RESPONSE_FILTER_REACH
+from hdl.adaptation import Adaptation, adapted_layout
+from hdl.build import Build
+from hdl.candidate_peak import CandidatePeak
+from hdl.candidate_queue import CandidateQueue, place_layout
+from hdl.candidate_ring import CandidateRing
+from hdl.candidate_selection import corner_flag_layout, pending_record_layout
+from hdl.centre_rows import CENTRE_SIZE
+from hdl.fits import candidate_layout
+from hdl.parts.circular_buffer import CircularBuffer
+from hdl.parts.nets import connect_by_name
+from hdl.parts.optional import optional
+from hdl.parts.stream import Beat
+from hdl.peak_mask import PeakMask
+from hdl.placed_selection import PlacedSelection
+from hdl.sample import responses_shape
+from hdl.smoothed_beats import SMOOTHED_ROWS, SmoothedBeats
+from hdl.step_layouts import reads_pixels
+from hdl.surface import SurfaceFit
+from hdl.textures import TEXTURES
+from hdl.thresholds import thresholds_layout
+from hdl.window_stage import CENTRES
+
+
+class CandidateStage(wiring.Component):
+    """Candidates out of beats of samples.
+
+        samples ─ buffer N ─ (smoothed beats) ─┬ peak mask ─ candidate queue ─┐
+                                               └ candidate ring ──────────────┤
+            ┌─────────────────────────────────────────────────────────────────┘
+            ├ (texture filter) ──────────────┐
+            └ (centre rows) ┬ candidate peak ┼ placed selection
+                            └ surface fit ───┘
+
+    All lanes are searched for peaks. What a candidate's window tells is found as with one pixel per
+    clock, in columns: each candidate is a row of its own, as wide as the window, read from the ring
+    of the last beats of columns. With a texture filter these are columns of N rows of D, otherwise
+    three columns of the three rows around the centre, of S with a response filter.
+
+    The blocks behind the ring move in step. Where they cannot keep up, the beats with candidates
+    wait in the queue, and then the samples wait.
+
+    Parameters
+    ----------
+    parameters
+        Parameters of the detector, with two pixels per clock or more. Raises ``ValueError`` for
+        ``fit="gradient"``.
+
+    Members
+    -------
+    samples
+        Stream of ``Beat(responses_shape(parameters))``.
+    limits
+        Stream of ``thresholds_layout(parameters)``. Beats wait for them, and they are taken behind
+        a frame's last candidate.
+    candidate, pending, corner_flags, largest, adapted, adapting, history
+        As in :class:`hdl.window_stage.WindowStage`.
+    """
+
+    def __init__(self, parameters: Build) -> None:
+        p = parameters
+        if reads_pixels(p):
+            raise ValueError(
+                f"pixels_per_clock is {p.pixels_per_clock}; allowed with fit {p.algorithm.fit!r}: 1"
+            )
+        algorithm, size, shape = p.algorithm, p.algorithm.window_size, responses_shape(p)
+        reach = RESPONSE_FILTER_REACH[algorithm.response_filter]
+        self._size, self._budget, self._choosing = size, p.budget, p.max_per_cell > 0
+        self._place = place_layout(p)
+        self.response_buffer = CircularBuffer(shape, size, p.beats, p.buffering, registers=1)
+        self.smoothed_beats = SmoothedBeats(p) if reach else None
+        self.peak_mask = PeakMask(p)
+        self.candidate_queue = CandidateQueue(p)
+        block = TEXTURES[algorithm.texture]
+        self.texture_filter: Any = block(p) if block else None
+        self.centre_rows = CENTRES[algorithm.response_filter](p) if block else None
+        if block:
+            self.candidate_ring = CandidateRing(p, size, size, 0)
+        else:
+            late = (size - CENTRE_SIZE) // 2 - reach
+            self.candidate_ring = CandidateRing(p, CENTRE_SIZE, CENTRE_SIZE, late)
+        self.candidate_peak = CandidatePeak(p)
+        self.surface_fit = SurfaceFit(p)
+        self.selection = PlacedSelection(p)
+        self._adaptation = optional(p.budget, adaptation=Adaptation(p))
+        adapted = adapted_layout(p)
+        super().__init__(
+            {
+                "samples": In(stream.Signature(Beat(shape))),
+                "limits": In(stream.Signature(thresholds_layout(p))),
+                "candidate": Out(stream.Signature(candidate_layout(p))),
+                "pending": Out(stream.Signature(pending_record_layout(p))),
+                "largest": Out(p.response_bits),
+                **optional(p.video_out, corner_flags=Out(stream.Signature(corner_flag_layout(p)))),
+                **optional(p.budget, adapted=Out(adapted), adapting=Out(1), history=In(adapted)),
+            }
+        )
+
+    @property
+    def _submodules(self) -> dict[str, Any]:
+        parts = {
+            "response_buffer": self.response_buffer,
+            "smoothed_beats": self.smoothed_beats,
+            "peak_mask": self.peak_mask,
+            "candidate_queue": self.candidate_queue,
+            "candidate_ring": self.candidate_ring,
+            "texture_filter": self.texture_filter,
+            "centre_rows": self.centre_rows,
+            "candidate_peak": self.candidate_peak,
+            "surface_fit": self.surface_fit,
+            "candidate_selection": self.selection,
+            **self._adaptation,
+        }
+        return {name: block for name, block in parts.items() if block is not None}
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        for name, block in self._submodules.items():
+            m.submodules[name] = block
+        wiring.connect(m, wiring.flipped(self.samples), self.response_buffer.i)
+        self._search(m)
+        self._judge(m)
+        selection, limits = self.selection, self.limits
+        connect_by_name(m, wiring.flipped(self), selection, names={"candidate", "pending", "corner_flags"})
+        m.d.comb += [
+            self.largest.eq(self.peak_mask.largest),
+            selection.largest.eq(self.peak_mask.largest),
+            limits.ready.eq(selection.last),
+        ]
+        if self._choosing:
+            m.d.comb += [
+                selection.cells.eq(limits.payload.cells),
+                self.candidate_queue.cells.eq(limits.payload.cells),
+            ]
+        for adaptation in self._adaptation.values():
+            self._adapt(m, adaptation)
+        return m
+
+    def _search(self, m: Module) -> None:
+        """Peaks into the queue, columns into the ring."""
+        columns, peaks, queue, ring = (
+            self.response_buffer.o,
+            self.peak_mask,
+            self.candidate_queue,
+            self.candidate_ring,
+        )
+        first: Any = self.smoothed_beats or peaks
+        m.d.comb += [
+            *([peaks.permit.eq(1)] if self.smoothed_beats else []),
+            first.permit.eq(self.limits.valid),
+            peaks.t1.eq(self.limits.payload.t1),
+            peaks.last_lanes.eq(self.limits.payload.last_lanes),
+            first.i.valid.eq(columns.valid),
+            columns.ready.eq(first.i.ready),
+        ]
+        self._pass_rows(m, first.i, columns, SMOOTHED_ROWS if self.smoothed_beats else peaks.rows)
+        if self.smoothed_beats:
+            wiring.connect(m, self.smoothed_beats.o, peaks.i)
+        wiring.connect(m, peaks.o, queue.i)
+        wiring.connect(m, queue.o, ring.i)
+        source: Any = columns if self.texture_filter is not None else peaks.i
+        top = (len(source.payload.data) - len(ring.columns)) // 2
+        m.d.comb += [
+            *(ring.columns[k].eq(source.payload.data[top + k]) for k in range(len(ring.columns))),
+            ring.step.eq(source.valid & source.ready),
+            ring.waiting.eq(queue.waiting),
+            queue.full.eq(ring.full),
+        ]
+
+    @staticmethod
+    def _pass_rows(m: Module, sink: Any, source: Any, rows: int) -> None:
+        """The middle ones of a column."""
+        top = (len(source.payload.data) - rows) // 2
+        m.d.comb += [
+            *(sink.payload.data[k].eq(source.payload.data[top + k]) for k in range(rows)),
+            sink.payload.eol.eq(source.payload.eol),
+            sink.payload.eof.eq(source.payload.eof),
+        ]
+
+    def _judge(self, m: Module) -> None:
+        """Windows of candidates into the selection, by the blocks of the window stage."""
+        selection, limits = self.selection, self.limits.payload
+        columns: Any = self.candidate_ring.o
+        centres = columns
+        m.d.comb += columns.ready.eq(self.surface_fit.i.ready)
+        if self.centre_rows is not None:
+            centres = self.centre_rows.o
+            self._feed(m, self.centre_rows.i, columns)
+            m.d.comb += centres.ready.eq(self.surface_fit.i.ready)
+        for block in (self.candidate_peak, self.surface_fit):
+            self._feed(m, block.i, centres)
+        if self.texture_filter is not None:
+            texture = self.texture_filter
+            self._feed(m, texture.i, columns)
+            if hasattr(texture, "centres"):
+                self._feed(m, texture.centres, centres)
+            m.d.comb += [texture.thresholds.valid.eq(1), texture.thresholds.payload.eq(limits)]
+            wiring.connect(m, texture.o, selection.textures)
+        m.d.comb += [self.candidate_peak.t1.valid.eq(1), self.candidate_peak.t1.payload.eq(limits.t1)]
+        wiring.connect(m, self.candidate_peak.o, selection.corners)
+        wiring.connect(m, self.surface_fit.o, selection.surfaces)
+        # it stays until the next window's last column, when all is said about this one
+        place = Signal(self._place, reset_less=True)
+        with m.If(columns.valid & columns.ready & columns.payload.eol):
+            m.d.sync += place.eq(self.candidate_ring.place)
+        m.d.comb += [self.candidate_peak.note.eq(place.note), selection.place.eq(place)]
+
+    @staticmethod
+    def _feed(m: Module, sink: Any, source: Any) -> None:
+        """Feeds a sink beside others that are ready whenever it is; its ready is not read."""
+        m.d.comb += [sink.valid.eq(source.valid), sink.payload.eq(source.payload)]
+
+    def _adapt(self, m: Module, adaptation: Adaptation) -> None:
+        """Counts what goes into the selection, and limits what comes out of it."""
+        selection, limits = self.selection, self.limits.payload
+        connect_by_name(m, wiring.flipped(self), adaptation)
+        m.d.comb += [
+            selection.max_corners.eq(limits.max_corners),
+            selection.rank.eq(limits.aim.rank),
+            adaptation.corner.eq(selection.counted),
+            adaptation.strength.eq(selection.strength),
+            adaptation.last.eq(selection.last),
+            adaptation.aim.eq(limits.aim),
+            self.adapting.eq(adaptation.busy),
+        ]

@@ -1,0 +1,186 @@
+"""Corner detection (Eqs. 3-5) of several columns per clock: which lanes of a beat hold a peak."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value
+from amaranth.lib import data, stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from golden.algorithm import RESPONSE_FILTER_REACH, Ties
+from hdl.build import Build
+from hdl.corner_detection import larger
+from hdl.parts.lanes import Lanes, complete_beats, counting_lanes, each_lane
+from hdl.parts.stream import Columns, Pipeline
+from hdl.sample import responses_shape
+
+
+def mask_layout(lanes: int) -> data.StructLayout:
+    """A bit for each lane of a beat; is the beat the last of its row, of its frame."""
+    return data.StructLayout({"mask": lanes, "eol": 1, "eof": 1})
+
+
+class PeakMask(wiring.Component):
+    """E of each lane: is a window's centre the largest of the (2r+1)x(2r+1) around it, above T1?
+
+    A lane speaks of the window whose newest column it is. Every beat that comes in goes out, also
+    one whose windows are not complete: its bits are 0.
+
+    As in :class:`hdl.suppression.Suppression`, each column is reduced to the largest of its rows
+    without and with the middle one. A centre is compared with the largest of the r columns before
+    it and of the r behind it, which neighbouring lanes share.
+
+    With ``budget`` every peak counts, whether it is above T1 or not.
+
+    Clocks: up to 3 a column's largest (r of them for r = 1, 2, 3), 1 with its middle, up to 2 the
+    largest of r columns, 1 comparisons, 1 what follows.
+
+    Members
+    -------
+    i
+        Stream of ``Columns`` of beats, 2r+1 rows; behind a response filter, of S.
+    t1
+        T1 of the frame.
+    last_lanes
+        How many lanes of a row's last beat count, 0 for all of them.
+    permit
+        A beat may be taken: T1 is known.
+    o
+        Stream of ``mask_layout(lanes)``. It is taken whenever it is ready.
+    largest
+        Largest response of the frame so far, of all window centres; that of the whole frame from
+        :attr:`largest_latency` clocks after its last beat has left until the next one's first.
+    """
+
+    def __init__(self, parameters: Build) -> None:
+        self._parameters, self._lanes = parameters, parameters.pixels_per_clock
+        self._radius = parameters.algorithm.suppression
+        self.rows = 2 * self._radius + 1
+        r = self._radius
+        self.latency = min(r, 3) + 1 + (r - 1).bit_length() + 2
+        self.largest_latency = (self._lanes - 1).bit_length() + 2
+        column = responses_shape(parameters)
+        super().__init__(
+            {
+                "i": In(stream.Signature(Columns(column, self.rows))),
+                "t1": In(parameters.response_bits),
+                "last_lanes": In(range(self._lanes)),
+                "permit": In(1),
+                "o": Out(stream.Signature(mask_layout(self._lanes))),
+                "largest": Out(parameters.response_bits),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m, r, p = Module(), self._radius, self._parameters
+        pipe = Pipeline(m, self.i, self.o, permit=self.permit)
+        ties = p.algorithm.ties
+        rows = [self._row(pipe, k) for k in range(self.rows)]
+        middle = rows[r]
+        above = middle.map(lambda v: v > self.t1)
+        ends = [rows[r - k].map(lambda v: _ahead(ties, v)) for k in range(1, r + 1)]
+        ends += [rows[r + k].map(lambda v: _behind(ties, v)) for k in range(1, r + 1)]
+        while len(ends) > 1:
+            pairs = [a.map(larger, b) for a, b in zip(ends[::2], ends[1::2], strict=False)]
+            ends = [v.register(f"ends_{k}") for k, v in enumerate(pairs + ends[len(ends) & ~1 :])]
+            middle, above = middle.register("middle"), above.register("above")
+
+        # to those that come after, this column is one before; and the other way round
+        here = middle.map(lambda v: _ahead(ties, v))
+        peak = here.map(lambda v, e: v > e, ends[0])
+        before = ends[0].map(lambda e, v, p: Mux(p, v, e), here, peak).register("before")
+        after = before
+        if ties == "first":
+            after = ends[0].map(lambda e, v: larger(e, _behind(ties, v)), middle).register("after")
+        promising = peak if p.budget else peak.map(lambda a, b: a & b, above)
+        promising, middle = promising.register("promising"), middle.register("middle_late")
+        before, after, (promising, middle) = self._of_neighbours(before, after, [promising, middle])
+
+        left = middle.map(lambda v, b: _ahead(ties, v) > b, before.back(1))
+        left = left.map(lambda a, b: a & b, promising).register("beats_left")
+        right = middle.back(r).map(lambda v, a: _ahead(ties, v) > a, after).register("beats_right")
+        late = p.algorithm.window_size // 2 - r - RESPONSE_FILTER_REACH[p.algorithm.response_filter]
+        peaks = left.back(r).map(lambda a, b: a & b, right).back(late)
+        centre = middle.back(r + late).register("centre").register("centre_late")
+
+        counts = pipe.delay(self._counts(m, pipe), self.latency - 1, "counts")
+        m.d.comb += [
+            self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
+            self.o.payload.mask.eq(pipe.register(Cat(peaks.values) & counts, "mask")),
+            self.o.payload.eol.eq(pipe.delay(self.i.payload.eol, self.latency, "eol")),
+            self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
+        ]
+        self._find_largest(m, centre.values, pipe.register(counts, "counts_now"))
+        return m
+
+    def _row(self, pipe: Pipeline, row: int) -> Lanes:
+        beat = each_lane(self.i.payload.data[row], self._lanes)
+        return Lanes(pipe, [sample.response for sample in beat], f"row_{row}")
+
+    def _of_neighbours(
+        self, before: Lanes, after: Lanes, others: list[Lanes]
+    ) -> tuple[Lanes, Lanes, list[Lanes]]:
+        """The largest of r columns each, in pairs of what is known so far; the others wait."""
+        together = 1
+        while together < self._radius:
+            step = min(together, self._radius - together)
+            both = [
+                v.map(larger, v.back(step)).register("neighbours")
+                for v in {id(before): before, id(after): after}.values()
+            ]
+            before, after = both[0], both[-1]
+            others = [v.register(f"waiting_{together}_{k}") for k, v in enumerate(others)]
+            together += step
+        return before, after, others
+
+    def _counts(self, m: Module, pipe: Pipeline) -> Value:
+        """Which lanes end a complete window."""
+        algorithm, lanes = self._parameters.algorithm, self._lanes
+        eol = self.i.payload.eol
+        lost = 2 * (algorithm.response_margin + RESPONSE_FILTER_REACH[algorithm.response_filter])
+        columns = 2 * algorithm.margin
+        complete = complete_beats(m, pipe, eol, lanes, lost=lost, more=columns - lost)
+        first = Signal(init=1)
+        with m.If(pipe.valid & pipe.advance & complete):
+            m.d.sync += first.eq(eol)
+        within = counting_lanes(self.last_lanes, lanes)
+        return Cat(
+            complete & (~eol | within[k]) & (~first if k < columns % lanes else C(1, 1)) for k in range(lanes)
+        )
+
+    def _find_largest(self, m: Module, centres: list[Value], counts: Value) -> None:
+        """Goes on while the rest waits: the frame's end may come soon."""
+        first, step = Signal(init=1), Signal()
+        m.d.comb += step.eq(self.o.valid & self.o.ready)
+        with m.If(step):
+            m.d.sync += first.eq(self.o.payload.eof)
+        values = [Mux(counts[k], centre, 0) for k, centre in enumerate(centres)]
+        starts: Value = first
+        level = 0
+        while True:
+            kept = [
+                Signal(len(v), name=f"largest_{level}_{k}", reset_less=True) for k, v in enumerate(values)
+            ]
+            m.d.sync += [register.eq(value) for register, value in zip(kept, values, strict=True)]
+            new, starting = Signal(name=f"new_{level}"), Signal(name=f"starting_{level}")
+            m.d.sync += [new.eq(step), starting.eq(starts)]
+            step, starts = new, starting
+            if len(kept) == 1:
+                break
+            values = [larger(a, b) for a, b in zip(kept[::2], kept[1::2], strict=True)]
+            level += 1
+        with m.If(step & (starts | (kept[0] > self.largest))):
+            m.d.sync += self.largest.eq(kept[0])
+
+
+# Half a unit more for the centre and for what comes before it in raster order says with one
+# comparison that these must be smaller, and those that come after may be equal (see Maxima).
+
+
+def _ahead(ties: Ties, value: Value) -> Value:
+    return value if ties == "strict" else Cat(C(1, 1), value)
+
+
+def _behind(ties: Ties, value: Value) -> Value:
+    return value if ties == "strict" else Cat(C(0, 1), value)

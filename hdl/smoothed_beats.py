@@ -1,0 +1,74 @@
+"""Response filter of several columns per clock: three rows of S out of five of D."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amaranth.hdl import Module
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
+
+from hdl.build import Build
+from hdl.centre_rows import CENTRE_SIZE
+from hdl.parts.lanes import Lanes, each_lane
+from hdl.parts.stream import Columns, Pipeline
+from hdl.pixel_filter import binomial
+from hdl.sample import responses_shape
+
+SMOOTHED_ROWS = CENTRE_SIZE + 2
+"""Rows of D that three rows of S need."""
+
+
+class SmoothedBeats(wiring.Component):
+    """S (``golden.response_filter``) of each lane, for a search of peaks in lanes.
+
+    A lane holds S of the place one column before and one row above its newest response. Every beat
+    that comes in goes out: the first two columns of a row are meaningless.
+
+        clock 1   a + 2b + c down the column
+        clock 2   the same along the row: pairs of neighbours, and pairs of these
+
+    Members
+    -------
+    i
+        Stream of ``Columns`` of beats of responses, five rows.
+    permit
+        A beat may be taken.
+    o
+        Stream of ``Columns`` of beats of responses, three rows.
+    """
+
+    latency = 2
+
+    def __init__(self, build: Build) -> None:
+        self._lanes = build.pixels_per_clock
+        column = responses_shape(build)
+        super().__init__(
+            {
+                "i": In(stream.Signature(Columns(column, SMOOTHED_ROWS))),
+                "permit": In(1),
+                "o": Out(stream.Signature(Columns(column, CENTRE_SIZE))),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        pipe = Pipeline(m, self.i, self.o, permit=self.permit)
+        rows = [
+            Lanes(pipe, [sample.response for sample in each_lane(row, self._lanes)], f"row_{k}")
+            for k, row in enumerate(self.i.payload.data)
+        ]
+        for k in range(CENTRE_SIZE):
+            down = rows[k].map(binomial, *rows[k + 1 : k + 3]).register(f"down_{k}")
+            pair = down + down.back(1)
+            smoothed = (pair + pair.back(1))[4:].register(f"smoothed_{k}")
+            for sample, value in zip(
+                each_lane(self.o.payload.data[k], self._lanes), smoothed.values, strict=True
+            ):
+                m.d.comb += sample.response.eq(value)
+        m.d.comb += [
+            self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
+            self.o.payload.eol.eq(pipe.delay(self.i.payload.eol, self.latency, "eol")),
+            self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
+        ]
+        return m
