@@ -104,8 +104,11 @@ class Build(Parameters):
         Heights are from ``Algorithm.support``.
         """
         support, lanes = self.algorithm.support, self.pixels_per_clock
-        # line buffers need four beats
-        return support if lanes == 1 else max(support + lanes, 3 * lanes + 1)
+        if lanes == 1:
+            return support
+        # line buffers need three beats, that of responses, too, which has lost the most
+        lost = 2 * self.algorithm.response_margin // lanes
+        return max(support + lanes, 3 * lanes + 1, (lost + 2) * lanes + 1)
 
     @property
     def beats(self) -> int:

@@ -21,7 +21,7 @@ from hdl.parts.stream import Beat, Columns, Pipeline
 class CircularBuffer(wiring.Component):
     """Columns of N rows out of a raster.
 
-    Takes a raster of any width from 4 to ``max_width`` and any height, and delivers, once N rows
+    Takes a raster of any width from 3 to ``max_width`` and any height, and delivers, once N rows
     have come, one column of N values for each further position: (height-N+1) rows of ``width``
     columns. Rows of different frames never meet in a column. One beat per clock.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from golden import Parameters
 from golden.algorithm import PROFILES
 from hdl.build import BUILDS, Build
+from tests.support.detectors import MIXTURES
 
 RANGES = {"sqrt_bits_per_stage": (1, 17), "queue_depth": (8, 1024), "refinement_units": (0, 4)}
 
@@ -66,3 +68,18 @@ def test_what_is_shared_with_the_golden_model_is_refused_alike() -> None:
                 kind.profile("robust", **fields)
             messages.append(str(caught.value))
         assert messages[0] == messages[1]
+
+
+@pytest.mark.parametrize("lanes", [2, 4, 8])
+@pytest.mark.parametrize("mixture", MIXTURES.values(), ids=MIXTURES.keys())
+def test_the_narrowest_frame_leaves_three_beats_of_responses(mixture: Build, lanes: int) -> None:
+    """Line buffers need as many."""
+    build = replace(mixture, pixels_per_clock=lanes)
+    lost = 2 * build.algorithm.response_margin // lanes
+    assert -(-build.min_width // lanes) - lost >= 3
+
+
+def test_a_small_window_behind_smoothed_pixels_takes_a_wider_frame() -> None:
+    """Eight columns are lost, two beats of four, and three beats stay: of 17 pixels, not of 15."""
+    build = Build.profile("robust", texture="none", response_filter="none", suppression=1, pixels_per_clock=4)
+    assert build.algorithm.support == 11 and build.min_width == 17

@@ -53,9 +53,9 @@ def check(runner: Engine, rows: int, sizes: list[Size], stalls: Stalls = NO_STAL
 
 def many_sizes(rows: int, max_width: int) -> list[Size]:
     """Every width in a tall frame, every height in narrow and wide ones, large beside small."""
-    sizes = [(rows + 2, width) for width in range(4, max_width + 1)]
-    sizes += [(height, width) for height in range(1, rows + 3) for width in (4, max_width)]
-    sizes += [(2 * rows + 3, max_width), (rows, 4), (rows, max_width), (2 * rows + 3, 4)]
+    sizes = [(rows + 2, width) for width in range(3, max_width + 1)]
+    sizes += [(height, width) for height in range(1, rows + 3) for width in (3, max_width)]
+    sizes += [(2 * rows + 3, max_width), (rows, 3), (rows, max_width), (2 * rows + 3, 3)]
     return sizes
 
 
