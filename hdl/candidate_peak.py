@@ -46,14 +46,14 @@ class CandidatePeak(Maxima):
         m.d.comb += self.t1.ready.eq(step & self.i.payload.eof)
         # with the window's last column it is that of the one before
         middle = pipe.register(responses(self.i.payload)[CENTRE_SIZE // 2], "middle", when=pipe.valid)
-        response = pipe.register(middle, "response_1")
+        response = pipe.delay(middle, 2, "response")
         eof = pipe.delay(self.i.payload.eof, self.latency - 1, "eof")
         corner = (response > self.t1.payload) & ~self.note
         found = self.o.payload.data
         m.d.comb += [
             self.o.valid.eq(pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)),
             found.corner.eq(pipe.register(corner, "corner")),
-            found.response.eq(pipe.register(response, "response_2")),
+            found.response.eq(pipe.register(response, "response_out")),
             self.o.payload.eol.eq(C(1, 1)),
             self.o.payload.eof.eq(pipe.register(eof, "eof_out")),
         ]

@@ -11,8 +11,8 @@ from amaranth.lib.wiring import In, Out
 from golden.algorithm import RESPONSE_FILTER_REACH, Ties
 from hdl.build import Build
 from hdl.corner_detection import larger
-from hdl.parts.lanes import Lanes, complete_beats, counting_lanes, each_lane
-from hdl.parts.stream import Columns, Pipeline
+from hdl.parts.lanes import Lanes, counting_lanes, each_lane
+from hdl.parts.stream import Columns, Pipeline, WindowCounter
 from hdl.sample import responses_shape
 
 
@@ -140,9 +140,10 @@ class PeakMask(wiring.Component):
         eol = self.i.payload.eol
         lost = 2 * (algorithm.response_margin + RESPONSE_FILTER_REACH[algorithm.response_filter])
         columns = 2 * algorithm.margin
-        complete = complete_beats(m, pipe, eol, lanes, lost=lost, more=columns - lost)
+        step = pipe.valid & pipe.advance
+        complete = WindowCounter(m, columns // lanes - lost // lanes + 1, step=step, eol=eol).complete
         first = Signal(init=1)
-        with m.If(pipe.valid & pipe.advance & complete):
+        with m.If(step & complete):
             m.d.sync += first.eq(eol)
         within = counting_lanes(self.last_lanes, lanes)
         return Cat(
