@@ -150,7 +150,7 @@ GOOD_VIDEO = Claim(
     depth=2,
     covered=12,
     faults=(
-        Fault("last_but_one_x.eq(self.width - 2)", "last_but_one_x.eq(self.width - 1)", "happens", within=10),
+        Fault("self._beats(self.width) - 2", "self._beats(self.width) - 1", "happens", within=10),
         Fault("[self.active.eq(0), after.eq(1)]", "after.eq(1)", "sof_early happens", within=12),
         Fault("last_row.eq(y == last_but_one_y)", "last_row.eq(y == last_but_one_x)", "wrong", within=16),
     ),

@@ -112,8 +112,8 @@ EDGES = {
     ),
     "a control packet is taken for video": Mutation(
         "hdl/edges/avalon.py",
-        "self.asi_video_data[:PACKET_TYPE_BITS] == VIDEO_PACKET",
-        "self.asi_video_data[:1] == VIDEO_PACKET",
+        "symbols[0][:PACKET_TYPE_BITS] == VIDEO_PACKET",
+        "symbols[0][:1] == VIDEO_PACKET",
         "tests/hdl/edges/test_avalon.py",
         "low_four_bits and amaranth",
     ),
