@@ -108,6 +108,20 @@ class CandidateStage(wiring.Component):
         )
 
     @property
+    def blocks(self) -> dict[str, Any]:
+        """Those on the way of a frame's last pixel to its end, each with a ``latency``."""
+        return {
+            "response buffer": self.response_buffer,
+            **optional(self.smoothed_beats is not None, **{"smoothed beats": self.smoothed_beats}),
+            "peak mask": self.peak_mask,
+            "candidate queue": self.candidate_queue,
+            "candidate ring": self.candidate_ring,
+            **optional(self.centre_rows is not None, **{"centre rows": self.centre_rows}),
+            "candidate peak": self.candidate_peak,
+            "candidate selection": self.selection,
+        }
+
+    @property
     def _submodules(self) -> dict[str, Any]:
         parts = {
             "response_buffer": self.response_buffer,

@@ -13,6 +13,7 @@ from golden.output_constructor import COUNT_BITS
 from hdl.adaptation import adapted_layout
 from hdl.build import Build
 from hdl.candidate_selection import corner_flag_layout
+from hdl.candidate_stage import CandidateStage
 from hdl.output_constructor import record_layout
 from hdl.parts.nets import connect_by_name
 from hdl.parts.optional import optional
@@ -76,7 +77,7 @@ class Detector(wiring.Component):
     def __init__(self, parameters: Build) -> None:
         self._parameters = p = parameters
         self._responses = ResponseStage(p)
-        self._windows = WindowStage(p)
+        self._windows = WindowStage(p) if p.pixels_per_clock == 1 else CandidateStage(p)
         self._records = RecordStage(p)
         adapted = adapted_layout(p)
         super().__init__(

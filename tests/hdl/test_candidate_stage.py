@@ -23,6 +23,7 @@ from hdl.fits import candidate_layout
 from hdl.parts.nets import connect_by_name
 from hdl.parts.stream import Beat
 from hdl.sample import responses_shape
+from hdl.surface import SURFACES
 from hdl.thresholds import thresholds_layout
 from sim.engine import Engine
 from sim.engines import make_engine
@@ -139,7 +140,12 @@ def check(build: Build, sizes: list[tuple[int, int]], stalls: Stalls, seed: int 
         assert np.array_equal(pending[field][is_corner], np.concatenate(values)), field
     samples_of = [frame.surroundings(found)[0] for frame, found in zip(frames, corners, strict=True)]
     surfaces = FITS[build.algorithm.fit].derivatives(np.concatenate(samples_of).astype(np.int64))
-    same("candidate", capture.outputs["candidate"], pack(candidate_layout(build), surfaces._asdict()))
+    formats = SURFACES[build.algorithm.fit].formats
+    expected = {
+        name: value >> form.zeros
+        for (name, value), form in zip(surfaces._asdict().items(), formats, strict=True)
+    }
+    same("candidate", capture.outputs["candidate"], pack(candidate_layout(build), expected))
 
 
 @pytest.mark.parametrize("stalls", PATTERNS.values(), ids=PATTERNS)
