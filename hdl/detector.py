@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, unsigned
+from amaranth.hdl import Module
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -19,6 +19,7 @@ from hdl.parts.nets import connect_by_name
 from hdl.parts.optional import optional
 from hdl.record_stage import RecordStage
 from hdl.response_stage import ResponseStage
+from hdl.sample import pixels_shape
 from hdl.thresholds import settings_members
 from hdl.window_stage import WindowStage
 
@@ -82,7 +83,7 @@ class Detector(wiring.Component):
         adapted = adapted_layout(p)
         super().__init__(
             {
-                "i": In(stream.Signature(unsigned(p.pixel_bits))),
+                "i": In(stream.Signature(pixels_shape(p))),
                 "width": In(range(p.max_width + 1)),
                 "height": In(range(p.max_height + 1)),
                 **settings_members(p),
