@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from amaranth.hdl import Module, ShapeLike, Value, ValueLike
+from amaranth.hdl import C, Module, ShapeLike, Value, ValueLike
 from amaranth.lib import data
 
 from hdl.parts.stream import Pipeline, WindowCounter
@@ -135,6 +135,26 @@ class Lanes:
         return self.map(lambda value: value[bits])
 
 
+def complete_beats(m: Module, pipe: Pipeline, eol: ValueLike, lanes: int, *, lost: int, more: int) -> Value:
+    """Does the beat that is offered hold any complete column?
+
+    Parameters
+    ----------
+    m, pipe, eol
+        Module and pipeline of the block, and the tag of its input.
+    lanes
+        Columns of a beat.
+    lost
+        Columns of a row that completed nothing before this block.
+    more
+        Columns that it loses itself: those of its window but one.
+    """
+    beats = (lost + more) // lanes - lost // lanes
+    if beats == 0:
+        return C(1, 1)
+    return WindowCounter(m, beats + 1, step=pipe.valid & pipe.advance, eol=eol).complete
+
+
 def deliver(m: Module, pipe: Pipeline, i: Any, o: Any, values: Lanes, *, lost: int, more: int) -> None:
     """Drives valid and the tags of a block's output: beats that hold any complete column.
 
@@ -144,19 +164,12 @@ def deliver(m: Module, pipe: Pipeline, i: Any, o: Any, values: Lanes, *, lost: i
         Module, pipeline and streams of the block.
     values
         What it delivers; says how many clocks that takes.
-    lost
-        Columns of a row that were lost before this block.
-    more
-        Columns that it loses itself: those of its window but one.
+    lost, more
+        As in :func:`complete_beats`.
     """
-    lanes = len(values)
-    beats = (lost + more) // lanes - lost // lanes
-    complete: Value = pipe.valid
-    if beats:
-        step = pipe.valid & pipe.advance
-        complete = complete & WindowCounter(m, beats + 1, step=step, eol=i.payload.eol).complete
+    complete = complete_beats(m, pipe, i.payload.eol, len(values), lost=lost, more=more)
     m.d.comb += [
-        o.valid.eq(pipe.delay(complete, values.clock, "valid", reset=True)),
+        o.valid.eq(pipe.delay(pipe.valid & complete, values.clock, "valid", reset=True)),
         o.payload.eol.eq(pipe.delay(i.payload.eol, values.clock, "eol")),
         o.payload.eof.eq(pipe.delay(i.payload.eof, values.clock, "eof")),
     ]

@@ -22,12 +22,12 @@ from hdl.pixel_filter import PixelFilter
 from hdl.preprocessing import Preprocessing
 from hdl.response import Response
 from sim.stimulus import Stalls
-from tests.support.beats import LANES, in_beats
+from tests.support.beats import LANES_IN_TURN, in_beats
 from tests.support.blocks import NO_STALLS, Array, check_block, noise, pack, tags
 
 STALLS = pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(0.3, 0.4, 13)], ids=["unstalled", "both-stall"])
 PROFILES = pytest.mark.parametrize("profile", ["paper", "robust"])
-LANE = pytest.mark.parametrize("lanes", LANES)
+LANE = pytest.mark.parametrize("lanes", LANES_IN_TURN)
 SIZES = ("gx", "gy", "difference")
 
 

@@ -28,7 +28,13 @@ BUILDS = {
 
 
 @pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(0.3, 0.4, 13)], ids=["unstalled", "both-stall"])
-@pytest.mark.parametrize("build", BUILDS.values(), ids=BUILDS.keys())
+@pytest.mark.parametrize(
+    "build",
+    [
+        pytest.param(build, id=name, marks=[pytest.mark.verify] if build.pixels_per_clock > 2 else [])
+        for name, build in BUILDS.items()
+    ],
+)
 def test_frames(build: Build, stalls: Stalls) -> None:
     """The narrowest frame, every remainder of the width, the widest; what rides along with it."""
     lanes, narrowest, support = build.pixels_per_clock, build.min_width, build.algorithm.support

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import pytest
 
 from tests.support.blocks import Array
 
 LANES = (1, 2, 4, 8)
+LANES_IN_TURN = [lanes if lanes < 4 else pytest.param(lanes, marks=pytest.mark.verify) for lanes in LANES]
+"""For blocks whose simulators take long to build where beats are wide."""
 
 
 def in_beats(
