@@ -172,7 +172,8 @@ class CandidateStage(wiring.Component):
         first: Any = self.smoothed_beats or peaks
         m.d.comb += [
             *([peaks.permit.eq(1)] if self.smoothed_beats else []),
-            first.permit.eq(self.limits.valid),
+            # what comes before the first column must move, or there will be no limits
+            first.permit.eq(self.limits.valid | ~columns.valid),
             peaks.t1.eq(self.limits.payload.t1),
             peaks.last_lanes.eq(self.limits.payload.last_lanes),
             first.i.valid.eq(columns.valid),

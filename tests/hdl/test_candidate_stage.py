@@ -52,7 +52,10 @@ PATTERNS = {
 
 
 class Held(wiring.Component):
-    """The stage behind what thresholds do: a frame's first beat waits until the last have gone."""
+    """The stage behind what thresholds do.
+
+    A frame's first beat waits until the limits before have been taken, and limits for that beat.
+    """
 
     def __init__(self, build: Build) -> None:
         self._stage = CandidateStage(build)
@@ -62,12 +65,15 @@ class Held(wiring.Component):
         m = Module()
         m.submodules.stage = stage = self._stage
         first, free, passes = Signal(init=1), Signal(init=1), Signal()
-        connect_by_name(m, wiring.flipped(self), stage, names={"limits", "candidate", "pending", "largest"})
+        connect_by_name(m, wiring.flipped(self), stage, names={"candidate", "pending", "largest"})
         m.d.comb += [
             passes.eq(~first | free),
             stage.samples.valid.eq(self.samples.valid & passes),
             stage.samples.payload.eq(self.samples.payload),
             self.samples.ready.eq(stage.samples.ready & passes),
+            stage.limits.valid.eq(self.limits.valid & ~free),
+            stage.limits.payload.eq(self.limits.payload),
+            self.limits.ready.eq(stage.limits.ready & ~free),
         ]
         with m.If(self.samples.valid & self.samples.ready):
             m.d.sync += [first.eq(self.samples.payload.eof), free.eq(0)]
