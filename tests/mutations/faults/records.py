@@ -161,8 +161,8 @@ RECORDS = {
     ),
     "a frame ends a row early": Mutation(
         "hdl/frame_control.py",
-        "_clamped(self.height, least, self._parameters.max_height) - 2",
-        "_clamped(self.height, least, self._parameters.max_height) - 3",
+        "_clamped(self.height, least, p.max_height) - 2",
+        "_clamped(self.height, least, p.max_height) - 3",
         "tests/hdl/test_frame_control.py",
         "frames and amaranth",
     ),

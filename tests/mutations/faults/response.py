@@ -7,8 +7,8 @@ from tests.mutations.copies import Mutation
 RESPONSE = {
     "a pixel is smoothed with a wrong weight along the row": Mutation(
         "hdl/pixel_filter.py",
-        "one + (down << 1)",
-        "one + down",
+        "one + (here << 1)",
+        "one + here",
         "tests/hdl/test_pixel_filter.py",
         "by_hand and amaranth",
     ),
@@ -53,5 +53,33 @@ RESPONSE = {
         "C(1, 2).as_signed(), C(1, 1))",
         "tests/hdl/test_preprocessing.py",
         "sobel_rounds and amaranth",
+    ),
+    "a bubble counts as a column": Mutation(
+        "hdl/parts/lanes.py",
+        "when=self._pipe.beat(self.clock)",
+        "when=1",
+        "tests/hdl/parts/test_lanes.py",
+        "to_the_left and both",
+    ),
+    "lanes are in the wrong order": Mutation(
+        "hdl/parts/lanes.py",
+        "return self.values[lane]",
+        "return self.values[-1 - lane]",
+        "tests/hdl/parts/test_lanes.py",
+        "to_the_left and unstalled",
+    ),
+    "a lane beyond the width counts": Mutation(
+        "hdl/parts/lanes.py",
+        "(last_lanes > lane)",
+        "(last_lanes >= lane)",
+        "tests/hdl/parts/test_lanes.py",
+        "counting",
+    ),
+    "a row of whole beats has one more": Mutation(
+        "hdl/frame_control.py",
+        "(width - (lanes + 1))",
+        "(width - lanes)",
+        "tests/hdl/test_frame_control_lanes.py",
+        "unstalled",
     ),
 }
