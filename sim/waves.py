@@ -31,6 +31,8 @@ _INSIDE = (
     ("largest response", "response_stage", "largest"),
     ("candidates", "window_stage", "pending"),
     ("candidates' derivatives", "window_stage", "candidate"),
+    ("candidates", "candidate_stage", "pending"),
+    ("candidates' derivatives", "candidate_stage", "candidate"),
 )
 """Streams and plain signals between the detector's stages: a title, the stage, and its member."""
 _ENDS = {"i": "pixels", "o": "records"}

@@ -16,6 +16,7 @@ from click.testing import Result
 from PIL import Image
 
 from cornerstream.cli import main
+from hdl.build import Build
 from tests.support.runner import CliRunner
 
 
@@ -160,10 +161,33 @@ def test_distance(folder: Path, value: str) -> None:
     assert listing(folder) == before
 
 
+@pytest.mark.parametrize("command", ["simulate", "verilog", "package", "synth"])
+def test_gradient_step_takes_one_pixel_per_clock(folder: Path, command: str) -> None:
+    before = listing(folder)
+    image = ["good.png"] if command == "simulate" else []
+    check(
+        run(command, *image, "--profile", "precise", "--pixels-per-clock", "4"),
+        "pixels_per_clock is 4; allowed with fit 'gradient': 1",
+    )
+    assert listing(folder) == before
+
+
+def test_image_narrower_than_several_pixels_per_clock_take(folder: Path) -> None:
+    before, least = listing(folder), Build.profile("robust", pixels_per_clock=8).min_width
+    Image.new("L", (least - 1, 24)).save(folder / "narrow.png")
+    check(
+        run("simulate", "narrow.png", "--profile", "robust", "--pixels-per-clock", "8"),
+        f"narrow.png is {least - 1}x24 pixels; allowed: {least}x13 up to",
+    )
+    assert listing(folder) == before
+
+
 @pytest.mark.parametrize(
     ("option", "value", "parts"),
     [
         ("--fit", "printed", ["fit is 'printed'", "allowed in hardware: nine, six"]),
+        ("--pixels-per-clock", "3", ["pixels_per_clock is 3; allowed: 1, 2, 4, 8"]),
+        ("--pixels-per-clock", "16", ["pixels_per_clock is 16; allowed: 1, 2, 4, 8"]),
         ("--frames", "0", ["--frames", "0 is not in the range x>=1"]),
         # 32x24 pixels each
         ("--frames", "349526", ["--frames is 349526; allowed with an image of this size: 1 to 349525"]),
