@@ -1,3 +1,4 @@
+# amaranth: UnusedElaboratable=no
 """Drives a detector frame by frame, and compares its records with the golden model's."""
 
 from __future__ import annotations
@@ -13,15 +14,12 @@ from numpy.typing import NDArray
 from golden import Settings, check_image, decode, decode_frame_end
 from golden.output_constructor import END_OF_FRAME, FLAG_SHIFT, Flag
 from hdl.build import Build
+from hdl.detector import Detector
 from sim.engine import VCD_CLOCKS, Engine, Progress
 from sim.stimulus import Capture, Clocks, Stalls, Stimulus, Words
 
 Frame = tuple[NDArray[Any], Settings]
 """An image and what to process it with."""
-
-_DRAIN_ROWS = 4
-_DRAIN_CLOCKS = 400
-"""Reserve for a frame's last records, which leave within three rows and the pipeline's depth."""
 
 
 @dataclass(frozen=True)
@@ -182,7 +180,7 @@ def simulate_frames(
         There is no frame, or an image or settings do not fit ``build``.
     """
     stimulus = frame_stimulus(frames, build, stalls or Stalls())
-    quiet = _DRAIN_ROWS * max(image.shape[1] for image, _ in frames) + _DRAIN_CLOCKS
+    quiet = Detector(build).longest_silence(max(image.shape[1] for image, _ in frames))
     capture = engine.run(stimulus, progress, vcd, vcd_clocks=vcd_clocks, quiet=quiet, max_clocks=max_clocks)
     return split_frames(capture, [image.size for image, _ in frames])
 
