@@ -54,7 +54,8 @@ async def soft_reset(dut: Dut) -> None:
     kept = {
         a: await bench.registers.read(a) for a in (CONTROL, IRQ_ENABLE, SIZE, 0x20, 0x24, 0x28, 0x2C, 0x30)
     }
-    image = bench.squares(draw())
+    # CLOCKS is the number of pixels where none has waited
+    image = bench.unhurried(draw())
     for _ in range(2):
         bench.send(image)
     packet = bench.expected[-1]
@@ -172,7 +173,9 @@ async def ends_wait(dut: Dut) -> None:
     for beats in (whole, [*whole[:10], (0, False, True)]):
         bench.sink.axi.pause = True
         bench.send(beats)
-        await until(lambda: bool(dut.m_axis_tvalid.value), dut, 2000)
+        # corners can hold up the input, but not the end for longer than that after it
+        await bench.source.done()
+        await until(lambda: bool(dut.m_axis_tvalid.value), dut, bench.longest)
         await ClockCycles(dut.clk, 300)
         assert bool(dut.m_axis_tlast.value) != bench.video.send_time and not bench.irq
         before = Event(await bench.registers.read(STATUS))
@@ -196,8 +199,10 @@ async def output_stalled(dut: Dut) -> None:
         for timeout in (0, 30, 200):
             await bench.registers.write(TIMEOUT, timeout)
             sink.axi.pause = True
-            bench.send(bench.squares(draw()))
-            await until(lambda valid=valid: bool(valid.value), dut, 1000)
+            image = bench.squares(draw())
+            bench.send(image)
+            # the first beat: nothing holds up the input before it
+            await until(lambda valid=valid: bool(valid.value), dut, image.size + bench.longest)
             if timeout:
                 clocks = await until(lambda: bool(bench.irq), dut, timeout + 10)
                 assert timeout <= clocks <= timeout + 5, clocks
