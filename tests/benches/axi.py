@@ -218,10 +218,6 @@ class Bench:
         """The clock, since reset, in which the first pixel of its frame was taken."""
         return self.input.times[packet.begun] - self.reset_at
 
-    def unhurried(self, random: Random) -> Image:
-        """Squares, but so few where a gradient step takes long that no pixel waits for a corner."""
-        return self.squares(random, 16 if self.parameters.algorithm.fit == "gradient" else 8)
-
     @property
     def longest(self) -> int:
         """Most clocks from a frame's last pixel to its end, where no output stalls."""

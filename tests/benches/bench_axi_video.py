@@ -58,7 +58,7 @@ async def full_rate(dut: Dut) -> None:
     await configure(bench, random_, p.max_width, p.max_height)
     many = p.algorithm.fit != "gradient"
     for _ in range(4):
-        bench.send(bench.image(random_) if many else bench.unhurried(random_))
+        bench.send(bench.image(random_) if many else bench.squares(random_, 16))
     assert many or all(packet.found for packet in bench.expected)
     await bench.check()
     pixels = p.max_width * p.max_height
