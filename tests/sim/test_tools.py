@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,12 @@ CHILDREN = "echo $$ > first; sh -c 'echo $$ > second; sleep 60'; true"
 
 
 def test_tools_and_what_they_started_end_with_us(tmp_path: Path) -> None:
-    script = f"from pathlib import Path; from sim.tools import run; run(['sh', '-c', {CHILDREN!r}], folder=Path('.'))"
+    script = (
+        # whoever started the tests may have it ignored
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);"
+        "from pathlib import Path; from sim.tools import run;"
+        f"run(['sh', '-c', {CHILDREN!r}], folder=Path('.'))"
+    )
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
     command = [sys.executable, "-c", script]
     with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.DEVNULL) as process:
@@ -28,6 +34,15 @@ def test_tools_and_what_they_started_end_with_us(tmp_path: Path) -> None:
         wait_for_end(number)
 
 
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Ctrl-C raises, whatever those who started the tests have it do."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
 def test_a_signal_while_a_tool_is_being_started_ends_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -44,6 +59,7 @@ def test_a_signal_while_a_tool_is_being_started_ends_it(
     wait_for_end(*numbers)
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_a_second_signal_does_not_save_a_tool(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def again(number: int, which: int) -> None:
         numbers.append(number)
