@@ -137,26 +137,51 @@ class Detector(wiring.Component):
         Where cells choose, their last two rows come out, too.
         """
         refinement, selection = self._records.refinement, self._records.cell_selection
-        each, cells = refinement.interval, 0
-        if selection:
-            each = max(each, selection.insertion.clocks)
-            cells = 2 * selection.readout.clocks + selection.insertion.clocks
+        cells = 2 * selection.readout.clocks + selection.insertion.clocks if selection else 0
         waiting = self._parameters.queue_depth + 1 + refinement.inside
-        return waiting * each + refinement.latency + cells
+        return waiting * self._corner_interval + refinement.latency + cells
+
+    @property
+    def _corner_interval(self) -> int:
+        """Most clocks from one corner to the next, where many wait."""
+        interval, selection = self._records.refinement.interval, self._records.cell_selection
+        return max(interval, selection.insertion.clocks) if selection else interval
 
     def frame_latency(self, width: int) -> int:
         """Clocks from a frame's last pixel to its end-of-frame record, for either buffering.
 
         They hold without stalls.
         """
-        if self._parameters.buffering == "lean":
-            return self.latency
         # each buffer starts reading a row when its last value is in, and ends one row's length
         # later
+        lanes = self._parameters.pixels_per_clock
+        return self.latency + sum(-(-width // lanes) - 2 * each // lanes - 1 for each in self._lost)
+
+    def longest_silence(self, width: int) -> int:
+        """Most clocks without a record after the last pixel, if the records are taken at once.
+
+        From that pixel to the first record after it, or from one record to the next, up to the end
+        of the last frame; for frames no wider than ``width``.
+
+        A corner that was found is reported, unless cells choose: then all that wait may be surplus.
+        """
+        # a buffer that was held up has two rows to read
+        rows = 2 * len(self._lost)
+        silence = 2 * self.frame_latency(width)
+        if self._records.cell_selection:
+            # of four neighbouring pixels one is a corner at most
+            corners = rows // 2 * -(-width // 2)
+            return silence + self.refinement_latency + corners * self._corner_interval
+        return silence + self._records.refinement.latency + self._corner_interval
+
+    @property
+    def _lost(self) -> list[int]:
+        """Columns that each ``banked`` buffer's rows have lost to either side by then."""
+        if self._parameters.buffering == "lean":
+            return []
         algorithm = self._parameters.algorithm
-        passes, lanes = algorithm.pixel_passes, self._parameters.pixels_per_clock
-        lost = [*range(passes + 1 + self._parameters.buffers_gradients), algorithm.response_margin]
-        return self.latency + sum(-(-width // lanes) - 2 * each // lanes - 1 for each in lost)
+        buffers = algorithm.pixel_passes + 1 + self._parameters.buffers_gradients
+        return [*range(buffers), algorithm.response_margin]
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()

@@ -1,3 +1,4 @@
+# amaranth: UnusedElaboratable=no
 """Drives a detector frame by frame, and compares its records with the golden model's."""
 
 from __future__ import annotations
@@ -13,16 +14,13 @@ from numpy.typing import NDArray
 from golden import Settings, check_image, decode, decode_frame_end
 from golden.output_constructor import END_OF_FRAME, FLAG_SHIFT, Flag
 from hdl.build import Build
+from hdl.detector import Detector
 from sim.beats import beat_count, beats
 from sim.engine import VCD_CLOCKS, Engine, Progress
 from sim.stimulus import Capture, Clocks, Stalls, Stimulus, Words, default_max_clocks
 
 Frame = tuple[NDArray[Any], Settings]
 """An image and what to process it with."""
-
-_DRAIN_ROWS = 4
-_DRAIN_CLOCKS = 400
-"""Reserve for a frame's last records, which leave within three rows and the pipeline's depth."""
 
 
 @dataclass(frozen=True)
@@ -191,7 +189,7 @@ def simulate_frames(
     """
     stalls = stalls or Stalls()
     stimulus = frame_stimulus(frames, build, stalls)
-    quiet = _DRAIN_ROWS * max(image.shape[1] for image, _ in frames) + _DRAIN_CLOCKS
+    quiet = Detector(build).longest_silence(max(image.shape[1] for image, _ in frames))
     if max_clocks is None:
         # several pixels may all be corners, which are refined one after the other
         max_clocks = default_max_clocks(sum(image.size for image, _ in frames), stalls, quiet)

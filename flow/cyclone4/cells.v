@@ -22,7 +22,8 @@ module dffeas (q, d, clk, clrn, prn, ena, asdata, aload, sclr, sload);
 endmodule
 
 // RAM with one write port (a) and one read port (b), or a table with two read ports, on one clock. A read of the
-// word that is written in the same clock gives the old one. "contents" stands in for init_file, which names a file.
+// word that is written in the same clock gives the old one. "contents" stands in for init_file, which names a file; it
+// is the block's bits in bytes of nine, as Yosys gives them. Words of less than nine bits leave each ninth unused.
 // clocken0 holds what is not "BYPASS": all four unless told otherwise, so it must be told.
 module altsyncram (clock0, clocken0, address_a, data_a, wren_a, rden_a, q_a, address_b, rden_b, q_b);
   parameter operation_mode = "DUAL_PORT";
@@ -63,7 +64,7 @@ module altsyncram (clock0, clocken0, address_a, data_a, wren_a, rden_a, q_a, add
   initial begin
     {read_a, registered_a, read_b, registered_b} = 0;
     for (k = 0; k < numwords_a; k = k + 1)
-      words[k] = contents >> (k * width_a);
+      words[k] = contents[k * width_a + (width_a < 9 ? k * width_a / 8 : 0) +: width_a];
   end
 `endif
   wire input_a = clock_enable_input_a == "BYPASS" || clocken0;

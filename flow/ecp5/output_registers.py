@@ -18,24 +18,29 @@ def use_output_registers(module: Module[Cell]) -> int:
 
     Either all flip-flops of a port move, or none.
     Each output in use must go to one flip-flop and nowhere else; these must have the port's clock,
-    one clock enable for all, and no reset, for which the port has no place.
+    one clock enable for all, and no reset, for which the port has no place. An enable that the
+    flip-flops invert gets one lookup table for all ports, because a port does not invert.
     """
-    return sum(_move(module, ram, port) for ram in module.of_kind(BLOCK_RAM) for port in PORTS)
+    inverted: dict[Bit, Bit] = {}
+    return sum(_move(module, ram, port, inverted) for ram in module.of_kind(BLOCK_RAM) for port in PORTS)
 
 
-def _move(module: Module[Cell], ram: Cell, port: str) -> int:
+def _move(module: Module[Cell], ram: Cell, port: str, inverted: dict[Bit, Bit]) -> int:
     outputs = [name for name in (f"DO{port}{k}" for k in range(WIDTH)) if module.is_read(ram[name])]
     registers = [_register_behind(module, ram, port, name) for name in outputs]
     found = [register for register in registers if register is not None]
     enables = {_enable(register) for register in found}
     if len(found) != len(outputs) or len(enables) != 1:
         return 0
+    enable, inverts = enables.pop()
+    if inverts:
+        enable = _inverted(module, enable, inverted)
     for register in found:
         module.remove(register)
     with module.changing(ram):
         for name, register in zip(outputs, found, strict=True):
             ram[name] = register["Q"]
-        ram[f"OCE{port}"] = enables.pop()
+        ram[f"OCE{port}"] = enable
     ram.json["parameters"][f"REGMODE_{port}"] = "OUTREG"
     return len(found)
 
@@ -46,11 +51,31 @@ def _register_behind(module: Module[Cell], ram: Cell, port: str, output: str) ->
     if reader is None or reader[0].kind != FLIP_FLOP or reader[1] != "DI":
         return None
     register = reader[0]
-    # neither may be inverted; no reset is a reset that never comes
-    plain = register.parameter("CLKMUX") == "CLK" and register.parameter("CEMUX") in ("CE", "1")
+    # no reset is a reset that never comes
+    plain = register.parameter("CLKMUX") == "CLK" and register.parameter("CEMUX") in ("CE", "INV", "1")
     fits = register["CLK"] == ram[f"CLK{port}"] and register["LSR"] in ("0", "x")
     return register if plain and fits else None
 
 
-def _enable(register: Cell) -> Bit:
-    return register["CE"] if register.parameter("CEMUX") == "CE" else "1"
+def _enable(register: Cell) -> tuple[Bit, bool]:
+    """The clock enable, and whether the flip-flop inverts it."""
+    mux = register.parameter("CEMUX")
+    return ("1", False) if mux == "1" else (register["CE"], mux == "INV")
+
+
+def _inverted(module: Module[Cell], bit: Bit, made: dict[Bit, Bit]) -> Bit:
+    """The inverse of a net; ``made`` has those that there are."""
+    if bit not in made:
+        made[bit] = net = module.new_net()
+        module.add(
+            f"output_enable_{net}",
+            {
+                "hide_name": 1,
+                "type": "LUT4",
+                "parameters": {"INIT": f"{0x5555:016b}"},
+                "attributes": {},
+                "port_directions": {**dict.fromkeys("ABCD", "input"), "Z": "output"},
+                "connections": {"A": [bit], "B": ["0"], "C": ["0"], "D": ["0"], "Z": [net]},
+            },
+        )
+    return made[bit]

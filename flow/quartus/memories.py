@@ -22,7 +22,9 @@ _DECLARATION = re.compile(r"^  reg (?:\[(\d+):0\] )?(\w+) \[(\d+):0\];\n", re.MU
 # an always block on a clock, and the only statements allowed in it: assignments, each with or
 # without an enable
 _BLOCK = re.compile(r"^  always @\(posedge (\w+)\)(?: begin)?\n((?:    .*\n)+)", re.MULTILINE)
-_ASSIGNMENT = re.compile(r"\s*(?:if \(\w+(?:\[\d+\])?\)( begin)?\s+)?(\S+) <= ([^;]+);(?(1)\s+end)\s*")
+_ASSIGNMENT = re.compile(
+    r"\s*(?:if \(\w+(?:\[\d+\])?\)( begin)?\s+)?(\w+(?:\[[^;=]+\])?) <= ([^;]+);(?(1)\s+end)\s*"
+)
 # the attribute by which other tools are asked for the same
 _FOREIGN = re.compile(r"^  \(\* ram_style = .* \*\)\n", re.MULTILINE)
 

@@ -192,12 +192,15 @@ class Bench:
             return image >> -more
         return (image.astype(np.uint16) << more) + random.integers(0, 1 << more, image.shape, np.uint16)
 
-    def squares(self, random: Random) -> Image:
-        """Bright ones, dark between them: each has its corners."""
+    def squares(self, random: Random, period: int = 8) -> Image:
+        """Bright ones, one in so many pixels each way, dark between them: each has its corners."""
         width, height, top = self.video.width, self.video.height, self.parameters.pixel_max
         dtype = np.uint16 if self.parameters.pixel_bits > 8 else np.uint8
-        bright = random.integers(top // 2, top, (height // 8 + 1, width // 8 + 1), dtype, endpoint=True)
-        square = np.pad(np.ones((5, 5), dtype), ((1, 2), (2, 1)))
+        bright = random.integers(
+            top // 2, top, (height // period + 1, width // period + 1), dtype, endpoint=True
+        )
+        less, more = (period - 5) // 2, (period - 4) // 2
+        square = np.pad(np.ones((5, 5), dtype), ((less, more), (more, less)))
         return np.kron(bright, square)[:height, :width]
 
     def send(self, beats: Beats | Image) -> None:
@@ -215,13 +218,17 @@ class Bench:
         """The clock, since reset, in which the first pixel of its frame was taken."""
         return self.input.times[packet.begun] - self.reset_at
 
+    @property
+    def longest(self) -> int:
+        """Most clocks from a frame's last pixel to its end, where no output stalls."""
+        return self.frame_latency(self.parameters.max_width) + self.refinement_latency
+
     async def quiet(self) -> None:
         """Returns when nothing has moved, nor tried to, for longer than anything takes inside."""
-        clocks = self.frame_latency(self.parameters.max_width) + self.refinement_latency
         before = -1
         while (now := sum(watch.beats + watch.stalls for watch in self._watches)) != before:
             before = now
-            await ClockCycles(self.dut.clk, clocks)
+            await ClockCycles(self.dut.clk, self.longest)
 
     async def taken(self, beats: int) -> None:
         """Returns when so many beats have been taken in all."""

@@ -330,7 +330,11 @@ async def output_stalled(bench: Bench, random_: Random) -> None:
 
 @row
 async def soft_reset_while_stalled(bench: Bench, random_: Random) -> None:
-    """Done when the output goes on; frames whose start had not come yet are the first again."""
+    """Done when the output goes on; frames whose start had not come yet are the first again.
+
+    It is done when the last beat of the cut frame's packet is on offer, so that it waits for what
+    comes before: a beat that was on offer, or the end-of-frame record where a time record follows.
+    """
     bench.video = smallest(bench, random_)
     await bench.configure(bench.video)
     start = bench.input.beats
@@ -339,11 +343,14 @@ async def soft_reset_while_stalled(bench: Bench, random_: Random) -> None:
     size = bench.video.width * bench.video.height
     begun = -(-(bench.input.beats - start - 2) // size)
     # the pixels' output alone can block the first frame before it has a record
-    waits = int(bench.dut.m_axis_tvalid.value)
-    assert waits or bench.parameters.video_out
+    offered = int(bench.dut.m_axis_tvalid.value)
+    assert offered or bench.parameters.video_out
+    waits = int(offered or bench.video.send_time)
     await bench.soft_reset(wait=False)
     await ClockCycles(bench.dut.clk, 300)
     assert (await bench.fields("CONTROL"))["reset"] == waits
+    assert bench.dut.m_axis_tvalid.value
+    assert offered or bool(bench.dut.m_axis_tlast.value) != bench.video.send_time
     release(bench)
     while (await bench.fields("CONTROL"))["reset"]:
         pass

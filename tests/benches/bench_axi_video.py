@@ -48,13 +48,18 @@ async def corners_are_marked(dut: Dut) -> None:
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def full_rate(dut: Dut) -> None:
-    """At the built maximum, where most pixels are held back: W·H clocks per frame, in and out."""
+    """At the built maximum, where most pixels are held back: W·H clocks per frame, in and out.
+
+    Where a gradient step takes long, frames have so few corners that none waits.
+    """
     bench, random_ = Bench(dut), draw()
     await bench.start()
     p = bench.parameters
     await configure(bench, random_, p.max_width, p.max_height)
+    many = p.algorithm.fit != "gradient"
     for _ in range(4):
-        bench.send(bench.image(random_))
+        bench.send(bench.image(random_) if many else bench.squares(random_, 16))
+    assert many or all(packet.found for packet in bench.expected)
     await bench.check()
     pixels = p.max_width * p.max_height
     assert np.diff(bench.input.times[::pixels]).tolist() == [pixels] * 3

@@ -1,4 +1,5 @@
 # amaranth: UnusedElaboratable=no
+# amaranth: UnusedElaboratable=no
 """The whole detector with a budget: limit and target, back to back, changed, and after resets."""
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import pytest
 
 from golden import Parameters, Settings, StreamModel
 from hdl.build import Build
+from hdl.detector import Detector
 from sim.frames import Frame, frame_stimulus
 from sim.stimulus import Stalls, Stimulus
 from tests.support.builds import each
@@ -79,7 +81,8 @@ def test_a_reset_leaves_nothing_in_the_histogram(parameters: Parameters) -> None
         start = plain.beats["i"][:1200][:cut]
         levels = [(0, plain.levels[0][1]), *((beat + cut, values) for beat, values in plain.levels)]
         stimulus = Stimulus({"i": np.concatenate([start, plain.beats["i"]])}, levels, reset_after=cut)
-        words = engine(parameters).run(stimulus, quiet=1000).outputs["o"][:, 0]
+        quiet = Detector(parameters).longest_silence(40)
+        words = engine(parameters).run(stimulus, quiet=quiet).outputs["o"][:, 0]
         model = StreamModel(parameters)
         expected = np.concatenate([model.process(*frame).records for frame in frames])
         assert np.array_equal(words[len(words) - len(expected) :], expected)

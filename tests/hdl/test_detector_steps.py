@@ -9,9 +9,11 @@ import pytest
 from golden import Settings, StreamModel
 from hdl.build import Build
 from hdl.detector import Detector
-from sim.frames import Frame, frame_stimulus
+from sim.engines import make_engine
+from sim.frames import Frame, frame_stimulus, simulate_frames
 from sim.stimulus import Stalls, Stimulus
-from tests.support.detectors import engine, noise, run
+from tests.support.detectors import MIXTURES, check, engine, noise, run
+from tests.support.filters import lenient
 from tests.support.photographs import photograph
 
 LEAN = Build.profile("precise", max_width=400, max_height=200)
@@ -69,3 +71,44 @@ def test_reset_in_mid_frame_leaves_nothing_of_what_was_before(cut: int) -> None:
     expected = np.concatenate([model.process(*frame).records for frame in frames])
     words = capture.outputs["o"][:, 0]
     assert np.array_equal(words[len(words) - len(expected) :], expected)
+
+
+LATE = """
+    100011111110101011
+    000011101111100110
+    011010100101011010
+    000100000101010011
+    010011101011011101
+    110111011100110101
+    011010111010001100
+    100011110011101110
+    010101000101101000
+    011001110100111111
+    100110011101101101
+    110010111001000100
+    101110001100101011
+    010101011011110100
+    110010111010001000
+"""
+"""A picture with one corner, found in its last rows."""
+
+
+def test_a_run_lasts_until_a_late_corner_has_made_its_steps() -> None:
+    """Nothing comes for 477 clocks then, in the build that holds the most rows back."""
+    slowest = MIXTURES["banked, gradient step, smoothed twice, no texture filter"]
+    build = slowest.changed(max_width=32, max_height=32)
+    image = np.array([[int(pixel) for pixel in row] for row in LATE.split()], np.uint8)
+    frames = [(image, Settings.default(build, sigma1=0, floor=15))]
+    result = simulate_frames(make_engine("amaranth", Detector(build)), frames, build)
+    check(result, build, frames)
+    (frame,) = result.frames
+    assert len(frame.records) == 2 and frame.end_of_frame - frame.last_pixel == 478
+
+
+def test_a_run_lasts_until_cells_have_chosen() -> None:
+    """Nothing comes while the last corners make their steps, though all but one are surplus."""
+    build = MIXTURES["gradient step with budget, suppression"]
+    cell = {"cell_width": 128, "cell_height": 128, "per_cell": 1}
+    one = Settings.default(build, sigma1=0, sigma2=lenient(build), report_rejected=True, **cell)
+    (frame,) = run(build, [(noise(20, 64, 20), one)]).frames
+    assert len(frame.records) == 2 and frame.end_of_frame - frame.last_pixel > 800

@@ -118,7 +118,8 @@ def run_with_reset(
     rest = frame_stimulus(frames, parameters, stalls)
     pixels = np.concatenate([start.beats["i"][:cut], rest.beats["i"]])
     levels = [*start.levels, *((beat + cut, values) for beat, values in rest.levels)]
-    capture = engine(parameters).run(Stimulus({"i": pixels}, levels, stalls, reset_after=cut), quiet=1000)
+    quiet = Detector(parameters).longest_silence(max(image.shape[1] for image, _ in frames))
+    capture = engine(parameters).run(Stimulus({"i": pixels}, levels, stalls, reset_after=cut), quiet=quiet)
     model = StreamModel(parameters)
     expected = np.concatenate([model.process(*frame).records for frame in frames])
     words = capture.outputs["o"][:, 0]

@@ -191,6 +191,25 @@ def test_tables_are_read_by_two_ports_of_one_block(tmp_path: Path) -> None:
     assert area.memory_bits == 18 * 512 + 7 * 1024 + 40 * 256 + 9 * 512 + 11 * 600
 
 
+FULL = {1: 8192, 2: 4096, 4: 2048, 9: 1024, 18: 512, 36: 256}
+"""Words of each width that fill the block."""
+
+
+def full_tables(m: Module, c: Any) -> Values:
+    """Every width of the block, read through one port and, but for the widest, through two."""
+    values = [table(m, c, width, depth, 1) for width, depth in FULL.items()]
+    values += [table(m, c, width, depth, 2) for width, depth in FULL.items() if width < 36]
+    return [register(m, Cat(*values), c.move)]
+
+
+def test_tables_keep_their_contents_in_every_width(tmp_path: Path) -> None:
+    area, verilog, same = mapped(tmp_path, sum(FULL) + 2 * (sum(FULL) - 36), full_tables)
+    assert same
+    assert area.m9k == verilog.count("altsyncram #") == 6 + 5
+    for width in FULL:
+        assert verilog.count(f".width_b(32'd{width})") == (1 if width == 36 else 2)
+
+
 def some_of_all(m: Module, c: Any) -> Values:
     first, second = table(m, c, 18, 512, 2)
     return [
@@ -198,33 +217,38 @@ def some_of_all(m: Module, c: Any) -> Values:
         register(m, first, c.move),
         register(m, second, c.move),
         table(m, c, 11, 600, 1)[0],
+        table(m, c, 2, 4096, 1)[0],
     ]
 
 
 def test_some_of_all_is_right(tmp_path: Path) -> None:
-    assert mapped(tmp_path, 57, some_of_all)[2]
+    assert mapped(tmp_path, 59, some_of_all)[2]
 
 
 @pytest.mark.parametrize(
-    ("right", "wrong"),
+    ("file", "right", "wrong"),
     [
         # writing waits for the output register's enable
-        ('.clock_enable_input_a("BYPASS")', '.clock_enable_input_a("NORMAL")'),
-        ('.clock_enable_input_b("BYPASS")', '.clock_enable_input_b("NORMAL")'),
-        (".rden_b(PORT_R_RD_EN)", ".rden_b(1'b1)"),
-        (".rden_a(PORT_A_RD_EN)", ".rden_a(1'b1)"),
-        (".address_b(PORT_B_ADDR", ".address_b(PORT_A_ADDR"),
-        (".contents(INIT)", ".contents(INIT >> 9)"),
-        (".wren_a(PORT_W_WR_EN)", ".wren_a(1'b1)"),
+        ("memory.v", '.clock_enable_input_a("BYPASS")', '.clock_enable_input_a("NORMAL")'),
+        ("memory.v", '.clock_enable_input_b("BYPASS")', '.clock_enable_input_b("NORMAL")'),
+        ("memory.v", ".rden_b(PORT_R_RD_EN)", ".rden_b(1'b1)"),
+        ("memory.v", ".rden_a(PORT_A_RD_EN)", ".rden_a(1'b1)"),
+        ("memory.v", ".address_b(PORT_B_ADDR", ".address_b(PORT_A_ADDR"),
+        ("memory.v", ".contents(INIT)", ".contents(INIT >> 9)"),
+        ("memory.v", ".wren_a(PORT_W_WR_EN)", ".wren_a(1'b1)"),
+        # narrow words follow each other without a gap
+        ("cells.v", "width_a < 9 ?", "width_a < 0 ?"),
     ],
 )
-def test_faults_are_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, right: str, wrong: str) -> None:
+def test_faults_are_noticed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str, right: str, wrong: str
+) -> None:
     whole = rules.rule_text
 
     def changed(device: str, name: str) -> str:
         text = whole(device, name)
-        assert name != "memory.v" or right in text
-        return text.replace(right, wrong) if name == "memory.v" else text
+        assert name != file or right in text
+        return text.replace(right, wrong) if name == file else text
 
     monkeypatch.setattr(rules, "rule_text", changed)
-    assert not mapped(tmp_path, 57, some_of_all)[2]
+    assert not mapped(tmp_path, 59, some_of_all)[2]

@@ -111,13 +111,26 @@ def test_a_register_behind_a_row_moves_into_its_blocks(tmp_path: Path, kind: str
     assert again.driver.keys() == module.driver.keys()
 
 
+def test_an_inverted_enable_gets_one_lookup_table(tmp_path: Path) -> None:
+    module = mapped(Row("inverted enable"), tmp_path)
+    registers = module.of_kind(FLIP_FLOP)
+    assert {register.parameter("CEMUX") for register in registers} == {"INV"}
+    (enable,) = {register["CE"] for register in registers}
+    others = {cell.name for cell in module.of_kind("LUT4")}
+    assert use_output_registers(module) == WIDTH
+    (inverter,) = (cell for cell in module.of_kind("LUT4") if cell.name not in others)
+    # all ones where A is 0
+    assert inverter["A"] == enable and int(inverter.parameter("INIT"), 2) == 0x5555
+    assert {block["OCEB"] for block in blocks(module)} == {inverter["Z"]}
+    assert len(blocks(module)) == 3 and len(module.readers[inverter["Z"]]) == 3
+
+
 @pytest.mark.parametrize(
     ("kind", "kept_blocks"),
     [
         ("reset", 3),
         ("logic", 1),
         ("enables", 1),
-        ("inverted enable", 3),
         ("other clock", 3),
         ("read twice", 3),
         ("read by logic, too", 3),

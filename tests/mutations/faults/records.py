@@ -166,4 +166,18 @@ RECORDS = {
         "tests/hdl/test_frame_control.py",
         "frames and amaranth",
     ),
+    "a run ends before a late corner has made its steps": Mutation(
+        "hdl/detector.py",
+        "return silence + self._records.refinement.latency + self._corner_interval",
+        "return silence",
+        "tests/hdl/test_detector_steps.py",
+        "late_corner",
+    ),
+    "a run ends before cells have chosen": Mutation(
+        "hdl/detector.py",
+        "return silence + self.refinement_latency + corners * self._corner_interval",
+        "return silence + self._records.refinement.latency + self._corner_interval",
+        "tests/hdl/test_detector_steps.py",
+        "cells_have_chosen",
+    ),
 }
