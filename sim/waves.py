@@ -31,8 +31,6 @@ _INSIDE = (
     ("largest response", "response_stage", "largest"),
     ("candidates", "window_stage", "pending"),
     ("candidates' derivatives", "window_stage", "candidate"),
-    ("candidates", "candidate_stage", "pending"),
-    ("candidates' derivatives", "candidate_stage", "candidate"),
 )
 """Streams and plain signals between the detector's stages: a title, the stage, and its member."""
 _ENDS = {"i": "pixels", "o": "records"}
@@ -116,6 +114,11 @@ def _fields(shape: Any, name: str, low: int) -> Iterator[Field]:
     if isinstance(shape, data.StructLayout):
         for part, field in shape:
             yield from _fields(field.shape, str(part), low + field.offset)
+    elif isinstance(shape, data.ArrayLayout):
+        # the streams that are shown have arrays of lanes only
+        for lane, field in shape:
+            for each in _fields(field.shape, "", low + field.offset):
+                yield each._replace(name=f"{each.name}, lane {lane}" if each.name else f"lane {lane}")
     elif (name, plain.width) == ("record", RECORD_BITS):
         yield from (field._replace(low=low + field.low) for field in _RECORD)
     else:

@@ -104,8 +104,10 @@ def changes(path: Path) -> dict[str, set[str]]:
     return {name: {value.zfill(width) for value in values[code]} for name, (code, width) in codes.items()}
 
 
-def test_save_file_shows_what_the_detector_does(tmp_path: Path) -> None:
-    parameters = Build.profile("paper", max_width=20, max_height=18, buffering="lean")
+@pytest.mark.parametrize("lanes", [1, 4])
+def test_save_file_shows_what_the_detector_does(tmp_path: Path, lanes: int) -> None:
+    size = {"max_width": 20, "max_height": 18}
+    parameters = Build.profile("paper", **size, buffering="lean", pixels_per_clock=lanes)
     settings = Settings(sigma1=0.001, sigma2=0.8, floor=1, report_rejected=True)
     image = np.random.default_rng(27).integers(0, 256, (18, 20), np.uint8)
     path = tmp_path / "detector.vcd"
@@ -119,14 +121,21 @@ def test_save_file_shows_what_the_detector_does(tmp_path: Path) -> None:
     shown = {trace: {int(value[bits], 2) for value in values[name]} for trace, (name, bits) in traces.items()}
     groups = {group for group, _ in traces}
     assert groups >= {"pixels", "responses", "thresholds", "largest response", "candidates", "records"}
-    # settings stay, and so few corners make nothing wait
-    steady = {trace for trace, seen in shown.items() if len(seen) < 2}
+    # settings stay, all rows have the same width, and so few corners make nothing wait
+    steady = {trace for trace, seen in shown.items() if len(seen) < 2} - {("thresholds", "last_lanes")}
     assert all(group == "inputs" or name.partition("$")[0].endswith("__ready") for group, name in steady)
     assert shown["records", "x (1/128 px)"] >= set((128 * corners.x).astype(int).tolist())
     assert shown["records", "y (1/128 px)"] >= set((128 * corners.y).astype(int).tolist())
     assert shown["records", "response"] >= set(corners.response.tolist())
     assert shown["records", "textured"] == {0, 1}
-    assert shown["responses", "response"] >= set(response_map(image, parameters).ravel().tolist())
+    responses = response_map(image, parameters)
+    if lanes == 1:
+        assert shown["responses", "response"] >= set(responses.ravel().tolist())
+    for lane in range(lanes if lanes > 1 else 0):
+        assert shown["pixels", f"lane {lane}"] >= set(image[:, lane::lanes].ravel().tolist())
+        # a place's response comes with the column that its window ends in
+        columns = (np.arange(responses.shape[1]) + 2 * parameters.algorithm.response_margin) % lanes == lane
+        assert shown["responses", f"response, lane {lane}"] >= set(responses[:, columns].ravel().tolist())
 
 
 @pytest.mark.parametrize(
