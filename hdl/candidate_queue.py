@@ -8,7 +8,6 @@ from amaranth.hdl import Cat, Module, Mux, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.algorithm import RESPONSE_FILTER_REACH
 from golden.formats import COORDINATE_BITS, OFFSET_BITS
 from hdl.build import Build
 from hdl.cell_beats import CellBeats
@@ -126,8 +125,7 @@ class CandidateQueue(wiring.Component):
         Returns whether there is no complete window before it in its row.
         """
         algorithm, lanes, marks = self._build.algorithm, self._build.pixels_per_clock, self.i.payload
-        reach = RESPONSE_FILTER_REACH[algorithm.response_filter]
-        first = 2 * (algorithm.response_margin + reach) // lanes
+        first = 2 * algorithm.response_margin // lanes
         ring = Signal.like(entry.ring, name="ring")
         beat, y = Signal.like(entry.beat, name="beat", init=first), Signal(PLACE_BITS, init=algorithm.margin)
         with m.If(step):

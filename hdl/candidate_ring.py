@@ -55,6 +55,11 @@ class CandidateRing(wiring.Component):
     latency = 4
     """Clocks from a request to the window's first column."""
 
+    @property
+    def interval(self) -> int:
+        """Clocks from one window to the next, where many wait."""
+        return self._size
+
     def __init__(self, build: Build, rows: int, size: int, late: int) -> None:
         self._build, self._rows, self._size, self._late = build, rows, size, late
         sample = response_layout(build)

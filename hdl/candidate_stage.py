@@ -122,6 +122,11 @@ class CandidateStage(wiring.Component):
         }
 
     @property
+    def end_late(self) -> int:
+        """Clocks from the first to the last column of what is read for a frame's end."""
+        return self.candidate_ring.interval - 1
+
+    @property
     def _submodules(self) -> dict[str, Any]:
         parts = {
             "response_buffer": self.response_buffer,

@@ -124,8 +124,7 @@ class Detector(wiring.Component):
         :attr:`refinement_latency`. With ``banked`` buffers the time to read out the last row comes
         on top: see :meth:`frame_latency`.
         """
-        # the end's pending record comes a clock after the last window
-        return sum(block.latency for block in self.blocks.values()) + 1
+        return sum(block.latency for block in self.blocks.values()) + self._windows.end_late
 
     @property
     def refinement_latency(self) -> int:

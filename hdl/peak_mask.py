@@ -138,8 +138,8 @@ class PeakMask(wiring.Component):
         """Which lanes end a complete window."""
         algorithm, lanes = self._parameters.algorithm, self._lanes
         eol = self.i.payload.eol
-        lost = 2 * (algorithm.response_margin + RESPONSE_FILTER_REACH[algorithm.response_filter])
-        columns = 2 * algorithm.margin
+        # a response filter passes on the beats that it does not complete
+        lost, columns = 2 * algorithm.response_margin, 2 * algorithm.margin
         step = pipe.valid & pipe.advance
         complete = WindowCounter(m, columns // lanes - lost // lanes + 1, step=step, eol=eol).complete
         first = Signal(init=1)

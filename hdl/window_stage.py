@@ -74,6 +74,9 @@ class WindowStage(wiring.Component):
         ``busy``.
     """
 
+    end_late = 1
+    """Clocks from a frame's last window to its end's pending record."""
+
     def __init__(self, parameters: Build) -> None:
         p = parameters
         sample, adapted = response_layout(p), adapted_layout(p)

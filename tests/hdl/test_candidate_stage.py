@@ -29,6 +29,7 @@ from sim.engine import Engine
 from sim.engines import make_engine
 from sim.stimulus import Stalls, Stimulus
 from tests.support.blocks import NO_STALLS, pack, same, tags, unpack
+from tests.support.builds import each
 from tests.support.filters import selective
 
 LANES = (2, 4, 8)
@@ -43,7 +44,14 @@ BUILDS = {
         "paper", **SMALL, texture="none", suppression=2, buffering="banked", ties="first"
     ),
     "3x3": Build.profile("paper", **SMALL, texture="none", ties="first"),
+    "3x3, smoothed": Build.profile("paper", **SMALL, texture="none", response_filter="binomial"),
 }
+EACH = {
+    f"{name}, P={lanes}": build.changed(pixels_per_clock=lanes)
+    for name, build in BUILDS.items()
+    for lanes in LANES
+}
+builds = each("build", EACH, quick=("robust, P=2", "3x3, smoothed, P=4", "suppression 2, banked, P=8"))
 PATTERNS = {
     "unstalled": NO_STALLS,
     "both-stall": Stalls(0.3, 0.4, 13),
@@ -155,11 +163,10 @@ def check(build: Build, sizes: list[tuple[int, int]], stalls: Stalls, seed: int 
 
 
 @pytest.mark.parametrize("stalls", PATTERNS.values(), ids=PATTERNS)
-@pytest.mark.parametrize("lanes", LANES)
-@pytest.mark.parametrize("name", BUILDS)
-def test_frames(name: str, lanes: int, stalls: Stalls) -> None:
+@builds
+def test_frames(build: Build, stalls: Stalls) -> None:
     """Sizes with every number of lanes in a row's last beat, back to back with others."""
-    build = BUILDS[name].changed(pixels_per_clock=lanes)
+    lanes = build.pixels_per_clock
     least, high = build.min_width, build.algorithm.support
     sizes = [(high, least), *((high + 3 + k, least + 5 + k) for k in range(lanes)), (high, 64), (40, 61)]
     check(build, sizes, stalls)
