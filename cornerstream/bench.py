@@ -33,7 +33,9 @@ from sim.compiler import find_compiler
 def bench(repeats: int, turns: int, no_engines: bool, as_json: bool) -> None:
     """Measure the golden model against OpenCV, and the simulators in clocks per second.
 
-    Each pair is timed in turns in one run, on Full HD. Takes a minute or two, and OpenCV
+    The simulators are the compiled one beside Amaranth's, and detectors of 2, 4 and 8 pixels per
+    clock beside that of one. What is compared is timed in turns in one run, on Full HD. Takes a
+    minute or two, the first time some minutes more to compile five detectors, and OpenCV
     (pip install 'cornerstream[eval]').
 
     \b
@@ -43,7 +45,7 @@ def bench(repeats: int, turns: int, no_engines: bool, as_json: bool) -> None:
       cornerstream bench --json > build/speed.json
     """
     refuse_idle(Idle("turns", no_engines, "without --no-engines"))
-    from evaluation.comparison import speed
+    from evaluation.comparison import speed, speed_tables
 
     try:
         speed.opencv()
@@ -56,7 +58,7 @@ def bench(repeats: int, turns: int, no_engines: bool, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps(result))
     else:
-        for table in speed.tables(result):
+        for table in speed_tables.tables(result):
             console.show(table)
     if wrong := sum(engine["mismatches"] for engine in speed.rates(result)):
         raise Failed(f"hardware and golden model differ in {wrong} records; see cornerstream simulate")

@@ -1,7 +1,9 @@
-"""How fast: the golden model beside OpenCV, and the compiled simulation beside Amaranth's.
+"""How fast: the golden model beside OpenCV, and the simulators beside each other.
 
-Each pair is timed in turns in one run, because machines are noisy and a ratio of two runs says
-little. Run it with ``cornerstream bench`` or ``python -m evaluation.comparison.speed [--json]``.
+The compiled simulation is compared with Amaranth's simulator, and detectors of several pixels per
+clock with that of one. What is compared is timed in turns in one run, because machines are noisy
+and a ratio of two runs says little. Run it with ``cornerstream bench`` or
+``python -m evaluation.comparison.speed [--json]``.
 """
 
 from __future__ import annotations
@@ -18,12 +20,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
+from evaluation.comparison.speed_tables import tables
 from evaluation.inputs.packages import MissingPackageError, opencv
 from golden import Settings, StreamModel, detect
-from hdl.build import Build
+from hdl.build import PIXELS_PER_CLOCK, Build
 from hdl.detector import Detector
 from sim import Engine, EngineName, compare, make_engine, simulate_frames
 
@@ -89,6 +90,28 @@ class EngineRate:
     median: float
     repeats: int
     mismatches: int
+
+
+@dataclass(frozen=True)
+class LaneRate:
+    """The compiled engine on a detector of several pixels per clock, and on that of one.
+
+    Attributes
+    ----------
+    clocks_per_pixel
+        Of the frame, without the clocks until its last record.
+    frames_per_second
+        Frames simulated per second, the median repeat.
+    ratio
+        Frames per second beside those of one pixel per clock, the median of the ratios of each
+        turn.
+    """
+
+    pixels_per_clock: int
+    clocks_per_pixel: float
+    frames_per_second: float
+    ratio: float
+    engine: EngineRate
 
 
 @dataclass(frozen=True)
@@ -163,12 +186,16 @@ class _EngineUnderTest:
         self._rates: list[float] = []
         self._mismatches = 0
         self._clocks = 0
+        self.clocks_per_pixel = 0.0
 
-    def run(self) -> None:
+    def run(self) -> float:
+        """Frames per second."""
         result = simulate_frames(self._engine, [(self._image, self._settings)], self._parameters)
         self._rates.append(result.clocks_per_second)
         self._mismatches += len(compare(result, self._expected))
         self._clocks = result.clocks
+        self.clocks_per_pixel = result.frames[0].clocks / self._image.size
+        return 1 / result.seconds
 
     def rate(self) -> EngineRate:
         return EngineRate(
@@ -207,6 +234,35 @@ def engine_speed(
     return EngineSpeed(compiled=fast, amaranth=slow, speedup=fast.median / slow.median)
 
 
+def lane_rates(repeats: int = 3, notify: Notify | None = None) -> list[LaneRate]:
+    """The compiled engine on one Full HD frame, by detectors of 1, 2, 4 and 8 pixels per clock.
+
+    They are of the profile ``robust`` and run in turns. Elaborating and compiling are not counted.
+    Every run's records are compared with the golden model's.
+    """
+    say = notify or (lambda line: None)
+    image = mirrored_photograph(FULL_HD)
+    tests = []
+    for lanes in PIXELS_PER_CLOCK:
+        build = Build.profile("robust", pixels_per_clock=lanes)
+        say(f"{lanes} pixel{'s' * (lanes > 1)} per clock")
+        tests.append(_EngineUnderTest(make_engine("compiled", Detector(build), notify=notify), image, build))
+    turns = []
+    for turn in range(repeats):
+        say(f"simulating, turn {turn + 1} of {repeats}")
+        turns.append([test.run() for test in tests])
+    return [
+        LaneRate(
+            pixels_per_clock=lanes,
+            clocks_per_pixel=test.clocks_per_pixel,
+            frames_per_second=median(turn[k] for turn in turns),
+            ratio=median(turn[k] / turn[0] for turn in turns),
+            engine=test.rate(),
+        )
+        for k, (lanes, test) in enumerate(zip(PIXELS_PER_CLOCK, tests, strict=True))
+    ]
+
+
 def run(
     *, repeats: int = 15, turns: int = 3, engines: bool = True, notify: Notify | None = None
 ) -> dict[str, Any]:
@@ -237,59 +293,16 @@ def run(
     }
     if engines:
         result["engines"] = asdict(engine_speed(turns, notify=notify))
+        result["pixels_per_clock"] = [asdict(rate) for rate in lane_rates(turns, notify)]
     return result
-
-
-def _verdict(reached: bool) -> str:
-    return "[green]reached[/green]" if reached else "[red]missed[/red]"
-
-
-def golden_table(speed: dict[str, Any]) -> Table:
-    """``run()["golden"]`` for people."""
-    table = Table(title=f"Golden model and OpenCV {speed['opencv_version']}, one {speed['frame']} frame")
-    table.add_column("")
-    for column in ("fastest, ms", "median, ms", "threads"):
-        table.add_column(column, justify="right")
-    threads = {"golden": 1, "opencv": speed["opencv_threads"]}
-    for key, title in (("golden", "golden.detect"), ("opencv", "goodFeaturesToTrack(blockSize=5)")):
-        timing = speed[key]
-        milliseconds = [f"{1000 * timing[field]:.1f}" for field in ("minimum", "median")]
-        table.add_row(title, *milliseconds, str(threads[key]))
-    verdict = _verdict(speed["median_ratio"] <= speed["goal"])
-    table.caption = Text.from_markup(
-        f"ratio {speed['ratio']:.2f}, median {speed['median_ratio']:.2f}; "
-        f"goal at most {speed['goal']:g}: {verdict}"
-    )
-    return table
-
-
-def engine_table(speed: dict[str, Any]) -> Table:
-    """``run()["engines"]`` for people."""
-    table = Table(title="Simulated hardware, built for 1920x1080, in clocks per second")
-    table.add_column("engine")
-    for column in ("frame", "clocks run", "best", "median", "mismatches"):
-        table.add_column(column, justify="right")
-    for rate in (speed["compiled"], speed["amaranth"]):
-        figures = [f"{rate[field]:,.0f}" for field in ("clocks", "best", "median", "mismatches")]
-        table.add_row(rate["name"], rate["frame"], *figures)
-    clocks = _verdict(speed["compiled"]["median"] >= speed["clocks_goal"])
-    speedup = _verdict(speed["speedup"] >= speed["speedup_goal"])
-    table.caption = Text.from_markup(
-        f"goal at least {speed['clocks_goal']:,.0f} clocks/s: {clocks}; "
-        f"{speed['speedup']:,.0f} times as fast, goal at least {speed['speedup_goal']:g}: {speedup}"
-    )
-    return table
 
 
 def rates(result: dict[str, Any]) -> list[dict[str, Any]]:
     """Each engine's part of what :func:`run` returns."""
-    return [result["engines"][name] for name in ("compiled", "amaranth")] if "engines" in result else []
-
-
-def tables(result: dict[str, Any]) -> list[Table]:
-    """What :func:`run` returns, for people."""
-    engines = [engine_table(result["engines"])] if "engines" in result else []
-    return [golden_table(result["golden"]), *engines]
+    if "engines" not in result:
+        return []
+    engines = [result["engines"][name] for name in ("compiled", "amaranth")]
+    return engines + [rate["engine"] for rate in result["pixels_per_clock"]]
 
 
 def main(

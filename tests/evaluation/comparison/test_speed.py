@@ -50,7 +50,10 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(speed, "FULL_HD", (16, 20))
     monkeypatch.setattr(speed, "SMALL", (15, 15))
     monkeypatch.setattr(speed, "make_engine", in_amaranth)
-    monkeypatch.setattr(speed, "Build", SimpleNamespace(profile=lambda name: SMALLEST))
+    monkeypatch.setattr(speed, "PIXELS_PER_CLOCK", (1, 2))
+    monkeypatch.setattr(
+        speed, "Build", SimpleNamespace(profile=lambda name, **changes: SMALLEST.changed(**changes))
+    )
 
 
 def test_everything_as_json_and_as_tables(small: None) -> None:
@@ -62,7 +65,15 @@ def test_everything_as_json_and_as_tables(small: None) -> None:
     assert engines["compiled"]["frame"] == "20x16" and engines["amaranth"]["frame"] == "15x15"
     assert engines["compiled"]["mismatches"] == engines["amaranth"]["mismatches"] == 0
     assert engines["compiled"]["clocks"] > 320 and engines["compiled"]["median"] > 0
-    for words in ("golden.detect", "goodFeaturesToTrack", "clocks per second", "goal"):
+    one, two = result["pixels_per_clock"]
+    assert (one["pixels_per_clock"], two["pixels_per_clock"]) == (1, 2)
+    assert (one["clocks_per_pixel"], two["clocks_per_pixel"]) == (1, 0.5)
+    assert one["ratio"] == 1 and two["ratio"] == pytest.approx(
+        two["frames_per_second"] / one["frames_per_second"]
+    )
+    assert one["engine"]["mismatches"] == two["engine"]["mismatches"] == 0
+    assert len(speed.rates(result)) == 4
+    for words in ("golden.detect", "goodFeaturesToTrack", "clocks per second", "goal", "clocks/pixel"):
         assert words in text.getvalue()
 
     text.truncate(0)
