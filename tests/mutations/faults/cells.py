@@ -105,8 +105,8 @@ CELLS = {
     ),
     "a first cell of one pixel is skipped": Mutation(
         "hdl/cell_grid.py",
-        "whole >= self._margin",
-        "whole > self._margin",
+        "Mux(whole >= margin",
+        "Mux(whole > margin",
         "tests/hdl/test_cell_grid.py",
         "frames and amaranth",
     ),
