@@ -290,8 +290,7 @@ class VideoModel:
         self._now, self._begun = video, self._beats
         self._pixels, self._x = [], 0
         self._surplus = self._after = False
-        # an end of line with a frame's very first beat is not looked at
-        return packets + self._inside(pixels, False, video)
+        return packets + self._inside(pixels, eol, video)
 
     def _inside(self, pixels: Lanes, eol: bool, now: VideoSettings) -> list[Packet]:
         if self._surplus:

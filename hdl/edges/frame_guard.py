@@ -91,7 +91,7 @@ class FrameGuard(wiring.Component):
     active
         A frame is under way.
     taken
-        A beat of a frame is taken.
+        A beat of a frame is taken. All are passed on, except a frame's first one that cuts it.
     done
         The last beat of a frame is taken.
     events
@@ -136,7 +136,9 @@ class FrameGuard(wiring.Component):
             Signal(name=name) for name in ("start", "early", "short", "belongs", "beat", "free")
         )
         inside = self.active & ~surplus & ~sof
-        short_line = inside & eol & ~row_end & ~ignore_eol
+        # a frame's first beat is no line's last: no frame is as narrow
+        ends_early = Mux(start, ~self.ignore_eol, inside & ~row_end & ~ignore_eol)
+        short_line = eol & ends_early
         late = too_long = inside & row_end & ~eol & ~ignore_eol
         if self._build.pixels_per_clock > 1:
             last_lane, lacking, beyond = self._kept(m, row_end)
@@ -154,7 +156,7 @@ class FrameGuard(wiring.Component):
             self.done.eq(self.taken & self.active & row_end & last_row),
         ]
 
-        with m.If(self.taken):
+        with m.If(self.taken & ~short):
             m.d.sync += [
                 self.o.valid.eq(1),
                 self.o.payload.pixel.eq(self.i.payload.pixel),
@@ -256,8 +258,7 @@ class FrameGuard(wiring.Component):
     def _kept(self, m: Module, row_end: Signal) -> tuple[Signal, Value, Value]:
         """Where a line's last pixel is in its beat, and what a beat has.
 
-        Whether it lacks a pixel, and whether a line's last one has pixels to spare. A beat that
-        starts a frame is no line's last.
+        Whether it lacks a pixel, and whether a line's last one has pixels to spare.
         """
         lanes, keep = self._build.pixels_per_clock, self.i.payload.keep
         last_lane, needed, beyond = Signal(range(lanes)), Signal(lanes), Signal(lanes)

@@ -76,11 +76,11 @@ def guard_model(m: Module, dut: Any, inside: Probes, restarted: Signal, *, known
     place = Place(m, "taken", Mux(active, width, dut.width), Mux(active, height, dut.height), passes)
     starts = ~active & sof & dut.enable
     within_line = active & ~sof & ~surplus
-    short = within_line & eol & ~place.eol & ~ignore
+    short = eol & ((starts & ~dut.ignore_eol) | (within_line & ~place.eol & ~ignore))
     late = within_line & ~eol & place.eol & ~ignore
     cut = (i.valid & active & sof & ~dut.restart) | (beat & short)
     complete = passes & place.eol & place.last_row
-    m.d.comb += passes.eq(beat & (starts | (within_line & ~short)))
+    m.d.comb += passes.eq(beat & (starts | within_line) & ~short)
     with m.If(beat & starts):
         m.d.sync += [
             active.eq(1),
@@ -97,7 +97,7 @@ def guard_model(m: Module, dut: Any, inside: Probes, restarted: Signal, *, known
     m.d.sync += [was_to_cut.eq(cut), was_cut.eq(dut.cut)]
 
     for holds, message in (
-        (dut.taken == passes, "taken: wrong"),
+        (dut.taken == (passes | (beat & starts)), "taken: wrong"),
         (dut.done == complete, "done: wrong"),
         (dut.active == active, "active: wrong"),
         (was_cut | restarted | (dut.cut == was_to_cut), "cut: wrong"),

@@ -100,6 +100,20 @@ def test_short_line_cuts_and_the_rest_is_dropped() -> None:
     assert model.events == Event.FRAME_DONE | Event.FRAME_CUT | Event.EOL_EARLY
 
 
+@pytest.mark.parametrize("before", [[], framed(SECOND)[:400]], ids=["whole before", "cut before"])
+def test_a_first_line_of_one_pixel_cuts(before: Beats) -> None:
+    """The frame begins and ends with it, and has a packet."""
+    one = [(9, True, True)]
+    packets, model = feed(framed(FIRST), before, one, framed(SECOND)[WIDTH:], framed(THIRD))
+    is_cut(packets[-2], len(packets) - 2, 0)
+    is_exact(packets[-1], good(FIRST, THIRD)[1], len(packets) - 1)
+    early = Event.SOF_EARLY if before else Event(0)
+    assert model.events == Event.FRAME_DONE | Event.FRAME_CUT | Event.EOL_EARLY | early
+    # where ends of line mean nothing, that one does not either
+    packets, model = feed([(0, True, True), *framed(SECOND)[1:]], video=replace(VIDEO, ignore_eol=True))
+    assert [packet.cut for packet in packets] == [False] and model.events == Event.FRAME_DONE
+
+
 @pytest.mark.parametrize("row", [0, 7, HEIGHT - 1])
 @pytest.mark.parametrize("surplus", [1, WIDTH - 1])
 def test_long_line_loses_its_surplus(row: int, surplus: int) -> None:

@@ -84,6 +84,14 @@ def test_a_beat_in_the_middle_that_is_not_full_cuts(place: int, kept: str, video
     assert events & ~Event.SOF_LATE == Event.EOL_EARLY | Event.FRAME_CUT | Event.FRAME_DONE
 
 
+@pytest.mark.parametrize("kept", ["1111", "1100"])
+def test_a_first_line_of_one_beat_cuts(kept: str) -> None:
+    pixels, sof, _ = keeping(FIRST, 0, kept)[0]
+    packets, events = feed([(pixels, sof, True), *FIRST[PER_ROW:]], SECOND)
+    assert [(packet.cut, packet.pixels.size) for packet in packets] == [(True, 0), (False, WIDTH * HEIGHT)]
+    assert events == Event.EOL_EARLY | Event.FRAME_CUT | Event.FRAME_DONE
+
+
 def test_what_is_beyond_the_width_may_be_ignored() -> None:
     packets, events = feed(keeping(FIRST, PER_ROW - 1, "1111"), SECOND, video=IGNORING)
     assert not any(packet.cut for packet in packets) and events == Event.FRAME_DONE

@@ -42,7 +42,7 @@ def missing_sof(beats: Beats, width: int, random: Random) -> Beats:
 
 def short_line(beats: Beats, width: int, random: Random) -> Beats:
     row = int(random.integers(len(beats) // width))
-    gone = int(random.integers(1, width - 1))
+    gone = int(random.integers(1, width))
     end = row * width + width
     before = beats[: end - gone]
     pixel, sof, _ = before[-1]

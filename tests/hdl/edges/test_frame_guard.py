@@ -94,6 +94,15 @@ def test_pixels_and_events(fault: Any) -> None:
         assert bool(run.cuts) == bool(model.events & Event.FRAME_CUT)
 
 
+@pytest.mark.parametrize("ignore_eol", [False, True])
+def test_an_end_of_line_with_a_frames_first_pixel(ignore_eol: bool) -> None:
+    beats = [*framed(IMAGE)[:60], (3, True, True), *framed(IMAGE)[1:], *framed(IMAGE)]
+    run = Run(beats, ignore_eol=ignore_eol)
+    pixels, model = expected(beats, ignore_eol=ignore_eol)
+    assert [pixel for pixel, _, _ in run.pixels] == pixels
+    assert run.events == model.events & ONLY_GUARD and run.cuts == (1 if ignore_eol else 2)
+
+
 def test_frames_come_out_marked_as_they_should_be() -> None:
     beats = [(pixel, sof, False) for pixel, sof, _ in framed(IMAGE)] * 2
     run = Run(beats, ignore_eol=True)
