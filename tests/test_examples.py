@@ -11,7 +11,9 @@ import pytest
 
 from cornerstream import StreamModel
 
-EXAMPLE = Path(__file__).parents[1] / "docs" / "examples" / "corner_counter.py"
+EXAMPLES = Path(__file__).parents[1] / "docs" / "examples"
+EXAMPLE = EXAMPLES / "corner_counter.py"
+WIDE = EXAMPLES / "wide_video.py"
 
 
 def test_counter_counts_what_the_golden_model_counts(
@@ -35,3 +37,26 @@ def test_counter_as_verilog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         *("clk", "rst", "count", "done"),
         *(f"pixels__{name}" for name in ("payload", "valid", "ready")),
     }
+
+
+def test_strongest_corner_is_that_of_the_golden_model(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", [str(WIDE)])
+    example = runpy.run_path(str(WIDE), run_name="__main__")
+    assert example["WIDTH"] % example["LANES"]
+    model, lines = StreamModel(example["BUILD"]), []
+    for number, image in enumerate(example["frames"](3)):
+        corners = model.process(image, example["SETTINGS"]).corners
+        k = corners.response.argmax()
+        place = f"({corners.x[k]:.2f}, {corners.y[k]:.2f})"
+        lines.append(f"frame {number}: corner at {place}, response {corners.response[k]}")
+    assert len(set(lines)) == 3
+    assert capsys.readouterr().out.splitlines() == lines
+
+
+def test_strongest_corner_as_verilog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    target = tmp_path / "strongest.v"
+    monkeypatch.setattr(sys, "argv", [str(WIDE), str(target)])
+    runpy.run_path(str(WIDE), run_name="__main__")
+    assert re.search(r"^ *input \[31:0\] beats__payload;", target.read_text(), re.MULTILINE)

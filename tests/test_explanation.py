@@ -17,7 +17,7 @@ from evaluation.comparison.page import FIGURES_NAME
 from golden import Parameters, Settings, detect
 from golden.frame import Frame, response_map
 from golden.subpixel import derivatives, fit_nine
-from hdl.build import Build
+from hdl.build import PIXELS_PER_CLOCK, Build
 from hdl.detector import Detector
 from hdl.identifiers import plain_port
 from hdl.parts.circular_buffer import CircularBuffer
@@ -56,6 +56,15 @@ def test_latency_table(buffering: str, column: int) -> None:
     assert total == (f"{fixed} + {per_width}·width" if per_width else str(fixed))
     for width in (15, 100, 1920):
         assert detector.frame_latency(width) == fixed + per_width * width
+
+
+@pytest.mark.parametrize("buffering", ["lean", "banked"])
+@pytest.mark.parametrize("profile", ["robust", "paper"])
+def test_latency_with_several_pixels_per_clock(profile: str, buffering: str) -> None:
+    assert "1920 pixels wide" in prose(HARDWARE)
+    builds = [Build.profile(profile, buffering=buffering, pixels_per_clock=p) for p in PIXELS_PER_CLOCK]
+    told = rows(HARDWARE, f"`{profile}`, `{buffering}`")[1:]
+    assert told == [str(Detector(build).frame_latency(1920)) for build in builds]
 
 
 def test_memory_bits() -> None:
