@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Frame control: a frame has the size sampled with its first pixel, at the default build."""
+"""Frame control: a frame has the size sampled with its first beat, at the default build."""
 
 from __future__ import annotations
 
@@ -23,10 +23,18 @@ from tests.formal.properties import (
     stable,
 )
 
-DEFAULT = Build.profile("paper")
-SMALL = Build.profile("paper", pixel_bits=4, max_width=16, max_height=16)
 SMALLEST = 3
-"""Least side of a frame in a variant whose frames can end within few clocks."""
+"""Least rows of a frame, and beats of a row, in a variant whose frames can end within few clocks."""
+
+
+def default(lanes: int) -> Build:
+    return Build.profile("paper", pixels_per_clock=lanes)
+
+
+def small(lanes: int) -> Build:
+    # where beats are wide, as narrow as can be built
+    width = 16 if lanes == 1 else 24
+    return Build.profile("paper", pixel_bits=4, max_width=width, max_height=16, pixels_per_clock=lanes)
 
 
 def allowed(size: Value, least: int, largest: int) -> Value:
@@ -34,16 +42,19 @@ def allowed(size: Value, least: int, largest: int) -> Value:
 
 
 class FrameControlChecker(Elaboratable):
-    """Sizes and settings change in every clock; only those at a first pixel's transfer count."""
+    """Sizes and settings change in every clock; only those at a first beat's transfer count."""
 
-    def __init__(self, design: Any) -> None:
+    def __init__(self, design: Any, lanes: int) -> None:
         self._design = design
+        self._lanes = lanes
 
     def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        small = hasattr(self._design, "SMALLEST")
-        parameters = SMALL if small else DEFAULT
-        least = SMALLEST if small else parameters.algorithm.support
+        m, lanes = Module(), self._lanes
+        is_small = hasattr(self._design, "SMALLEST")
+        parameters = small(lanes) if is_small else default(lanes)
+        least = {"x": parameters.min_width, "y": parameters.algorithm.support}
+        if is_small:
+            least = {"x": (SMALLEST - 1) * lanes + 1, "y": SMALLEST}
         m.submodules.dut = dut = self._design.FrameControl(parameters)
         inside = probes_of(dut)
         free(m, dut)
@@ -51,16 +62,17 @@ class FrameControlChecker(Elaboratable):
         stable(m, dut.o, "o")
         stable(m, dut.settings, "settings")
 
-        # the place of the next pixel, and the size of its frame
-        sizes = {"x": parameters.max_width, "y": parameters.max_height}
-        place = {axis: Signal(range(size + 1)) for axis, size in sizes.items()}
-        kept = {axis: Signal(range(size + 1)) for axis, size in sizes.items()}
+        # the row of the next beat, its place in it, and the size of its frame
+        largest = {"x": parameters.max_width, "y": parameters.max_height}
+        place = {axis: Signal(range(size + 1)) for axis, size in largest.items()}
+        kept = {axis: Signal(range(size + 1)) for axis, size in largest.items()}
         first = (place["x"] == 0) & (place["y"] == 0)
         asked = {
-            "x": allowed(dut.width, least, parameters.max_width),
-            "y": allowed(dut.height, least, parameters.max_height),
+            "x": allowed(dut.width, least["x"], largest["x"]),
+            "y": allowed(dut.height, least["y"], largest["y"]),
         }
-        last = {axis: place[axis] + 1 == Mux(first, asked[axis], kept[axis]) for axis in place}
+        size = {axis: Mux(first, asked[axis], kept[axis]) for axis in place}
+        last = {"x": (place["x"] + 1) * lanes >= size["x"], "y": place["y"] + 1 == size["y"]}
         eol, eof = last["x"], last["x"] & last["y"]
         with m.If(moves(dut.i)):
             m.d.sync += place["x"].eq(Mux(eol, 0, place["x"] + 1))
@@ -82,14 +94,14 @@ class FrameControlChecker(Elaboratable):
             m,
             "settings",
             enters=moves(dut.i) & first,
-            given=dut.next_settings,
+            given=Cat(dut.next_settings, asked["x"][: lanes.bit_length() - 1]),
             leaves=moves(dut.settings),
             found=dut.settings.payload,
             capacity=1,
         )
         settings.leaves_within(1, dut.settings.ready)
         accepts_within(m, 2, dut.i, during=dut.o.ready & dut.settings.ready, name="i")
-        if small:
+        if is_small:
             m.d.comb += [
                 Cover(moves(dut.o) & dut.o.payload.eol, "a row ends"),
                 Cover(moves(dut.o) & dut.o.payload.eof, "a frame ends"),
@@ -101,50 +113,63 @@ class FrameControlChecker(Elaboratable):
             with m.If(board.following):
                 invariant(m, Value.cast(port.payload) == board.value, "another beat waits at the output")
         invariant(m, inside["first"] == first, "first differs")
-        for axis, ends, early, largest in (
-            ("x", "eol", "last_but_one_x", parameters.max_width),
-            ("y", "last_row", "last_but_one_y", parameters.max_height),
+        for axis, ends, early, step in (
+            ("x", "eol", "last_but_one_x", lanes),
+            ("y", "last_row", "last_but_one_y", 1),
         ):
-            size = kept[axis]
+            count = (kept[axis] + (step - 1))[step.bit_length() - 1 :]
+            inside_range = (kept[axis] >= least[axis]) & (kept[axis] <= largest[axis])
             invariant(m, inside[axis] == place[axis], f"{axis} differs")
-            invariant(m, inside[early] >= least - 2, f"{axis} could end at once")
+            invariant(m, inside[early] >= -(-least[axis] // step) - 2, f"{axis} could end at once")
             with m.If(~first):
-                invariant(m, (size >= least) & (size <= largest), f"{axis} size out of range")
-                invariant(m, place[axis] < size, f"{axis} out of range")
-                invariant(m, inside[early] == size - 2, f"the end of {axis} differs")
-                invariant(m, inside[ends] == (place[axis] + 1 == size), f"{ends} differs")
+                invariant(m, inside_range, f"{axis} size out of range")
+                invariant(m, place[axis] < count, f"{axis} out of range")
+                invariant(m, inside[early] == count - 2, f"the end of {axis} differs")
+                invariant(m, inside[ends] == (place[axis] + 1 == count), f"{ends} differs")
             with m.Else():
                 invariant(m, ~inside[ends], f"{ends} at a first pixel")
         return m
 
 
-def _size_fault(axis: str, within: int) -> Fault:
-    old = f"self._parameters.max_{axis}) - 2"
-    return Fault(old, old.replace("- 2", "- 3"), "pixels: another beat", within)
-
-
-FRAMES = Claim(
-    says="FrameControl: ends of rows and frames, settings, stream rules",
-    design=hdl.frame_control,
-    small=variant(
-        hdl.frame_control,
-        {
-            "class FrameControl(": f"SMALLEST = {SMALLEST}\n\n\nclass FrameControl(",
-            "least = self._parameters.algorithm.support": "least = SMALLEST",
-        },
-    ),
-    check=FrameControlChecker,
-    depth=1,
-    covered=16,
-    faults=(
-        _size_fault("width", 16),
-        _size_fault("height", 16),
-        Fault("with m.Elif(self.settings.ready):", "with m.Else():", "settings: valid falls", 6),
-        Fault("self.settings.payload.eq(self.next_settings),", "", "settings: another beat", 10),
-    ),
+SMALL = variant(
+    hdl.frame_control,
+    {
+        "class FrameControl(": f"SMALLEST = {SMALLEST}\n\n\nclass FrameControl(",
+        "least = p.pixels_per_clock, p.algorithm.support": "least = p.pixels_per_clock, SMALLEST",
+        "init=-(-p.min_width // lanes) - 2": "init=SMALLEST - 2",
+        "(self.width, p.min_width,": "(self.width, (SMALLEST - 1) * lanes + 1,",
+    },
 )
 
 
-@pytest.mark.parametrize("case", cases(FRAMES))
+def _claim(says: str, lanes: int, *faults: Fault) -> Claim:
+    return Claim(
+        says=says,
+        design=hdl.frame_control,
+        small=SMALL,
+        check=lambda design: FrameControlChecker(design, lanes),
+        depth=1,
+        covered=16,
+        faults=faults,
+    )
+
+
+FRAMES = _claim(
+    "FrameControl: ends of rows and frames, settings, stream rules",
+    1,
+    Fault("(width - (lanes + 1))", "(width - (lanes + 2))", "pixels: another beat", 16),
+    Fault("p.max_height) - 2", "p.max_height) - 3", "pixels: another beat", 16),
+    Fault("with m.Elif(self.settings.ready):", "with m.Else():", "settings: valid falls", 6),
+    Fault("self.settings.payload.eq(settings),", "", "settings: another beat", 10),
+)
+LANES = _claim(
+    "FrameControl, four pixels per clock: ends of rows and frames, settings, lanes of the last beat",
+    4,
+    Fault("(width - (lanes + 1))", "(width - lanes)", "pixels: another beat", 16),
+    Fault("width[:lane_bits])", "self.width[:lane_bits])", "settings: another beat", 10),
+)
+
+
+@pytest.mark.parametrize("case", cases(FRAMES, LANES))
 def test_frame_control(case: Case, record_property: Callable[[str, object], None]) -> None:
     case(record_property)
