@@ -9,9 +9,9 @@ from amaranth.asserts import AnySeq
 from amaranth.hdl import Assume, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 
-from golden.parameters import Parameters
+from hdl.build import Build
 from hdl.detector import Detector
-from tests.formal.frames import Place
+from tests.formal.frames import Place, in_beats
 from tests.formal.properties import assume_stable, moves
 from tests.formal.test_packet_constructor import ends
 
@@ -41,7 +41,8 @@ class AbstractDetector(wiring.Component):
         Where in its frame the next pixel is, and the size of that frame once it has begun.
     """
 
-    def __init__(self, parameters: Parameters, most: int) -> None:
+    def __init__(self, parameters: Build, most: int) -> None:
+        self._lanes = parameters.pixels_per_clock
         self._most = most
         self.pending = Signal(range(most + 2))
         self.size = {"x": Signal(16), "y": Signal(16)}
@@ -56,7 +57,7 @@ class AbstractDetector(wiring.Component):
         first = Signal()
         given = {"x": self.width, "y": self.height}
         now = {axis: Mux(first, given[axis], size) for axis, size in self.size.items()}
-        self.place = place = Place(m, "fed", now["x"], now["y"], moves(i))
+        self.place = place = Place(m, "fed", in_beats(now["x"], self._lanes), now["y"], moves(i))
         m.d.comb += first.eq(place.first)
         with m.If(moves(i) & first):
             m.d.sync += [size.eq(given[axis]) for axis, size in self.size.items()]

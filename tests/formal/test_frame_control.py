@@ -24,7 +24,7 @@ from tests.formal.properties import (
 )
 
 SMALLEST = 3
-"""Least rows of a frame, and beats of a row, in a variant whose frames can end within few clocks."""
+"""Least rows of a frame, and beats of a row, in a variant whose frames end within few clocks."""
 
 
 def default(lanes: int) -> Build:

@@ -11,9 +11,11 @@ from amaranth.asserts import AnyConst
 from amaranth.hdl import (
     Assert,
     Assume,
+    Cat,
     Cover,
     Elaboratable,
     Module,
+    Mux,
     ResetInserter,
     Signal,
     Value,
@@ -22,7 +24,18 @@ from amaranth.hdl import (
 import hdl.edges.frame_guard
 from tests.formal.claims import Case, Claim, Fault, cases
 from tests.formal.design import probes_of
-from tests.formal.frames import PARAMETERS, Place, allowed, counts, guard_model, receiver, restarted_since_cut
+from tests.formal.frames import (
+    PARAMETERS,
+    Kept,
+    Place,
+    allowed,
+    counts,
+    guard_model,
+    in_beats,
+    kept_inside,
+    receiver,
+    restarted_since_cut,
+)
 from tests.formal.properties import (
     Scoreboard,
     accepts_within,
@@ -37,17 +50,18 @@ from tests.formal.properties import (
 class AnyVideoChecker(Elaboratable):
     """Any video. Assumed: sizes in range; and after a cut, ``restart`` before ``resume``."""
 
-    def __init__(self, design: Any) -> None:
+    def __init__(self, design: Any, lanes: int = 1) -> None:
         self._design = design
+        self._lanes = lanes
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        m.submodules.dut = dut = self._design.FrameGuard(PARAMETERS)
+        m.submodules.dut = dut = self._design.FrameGuard(PARAMETERS.changed(pixels_per_clock=self._lanes))
         inside = probes_of(dut)
         free(m, dut)
         restarted = restarted_since_cut(m, dut)
         m.d.comb += [
-            Assume(allowed(dut.width, dut.height)),
+            Assume(allowed(dut.width, dut.height, self._lanes)),
             Assume(~dut.resume | (restarted & ~dut.restart)),
             Assert(~(dut.cut & moves(dut.i)), "something is taken after the cut"),
             Cover(restarted & dut.resume, "a cut is over"),
@@ -74,12 +88,13 @@ class AnyVideoChecker(Elaboratable):
 class GoodVideoChecker(Elaboratable):
     """Frames of any size, well marked, with pauses of any length."""
 
-    def __init__(self, design: Any) -> None:
+    def __init__(self, design: Any, lanes: int = 1) -> None:
         self._design = design
+        self._lanes = lanes
 
     def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        m.submodules.dut = dut = self._design.FrameGuard(PARAMETERS)
+        m, lanes = Module(), self._lanes
+        m.submodules.dut = dut = self._design.FrameGuard(PARAMETERS.changed(pixels_per_clock=lanes))
         inside = probes_of(dut)
         free(m, dut, but=("width", "height", "enable", "restart", "resume"))
         width, height = AnyConst(16), AnyConst(16)
@@ -87,10 +102,18 @@ class GoodVideoChecker(Elaboratable):
             dut.width.eq(width),
             dut.height.eq(height),
             dut.enable.eq(1),
-            Assume(allowed(width, height)),
+            Assume(allowed(width, height, lanes)),
         ]
         assume_stable(m, dut.i, "i")
-        place = Place(m, "given", width, height, moves(dut.i))
+        place = Place(m, "given", in_beats(width, lanes), height, moves(dut.i))
+        framing = Cat(dut.i.payload.sof, dut.i.payload.eol)
+        if lanes > 1:
+            kept = Kept(dut, width, place.eol)
+            m.d.comb += [
+                Assume(~dut.i.valid | ~(kept.lacking | kept.beyond)),
+                Cover(moves(dut.i) & place.eol & ~dut.i.payload.keep.all(), "a row ends within a beat"),
+            ]
+            framing = Cat(Mux(place.eol, kept.last, -1)[: len(kept.last)], framing)
         marks = (dut.i.payload.sof == place.first) & (dut.i.payload.eol == place.eol)
         m.d.comb += [
             Assume(~dut.i.valid | marks),
@@ -104,7 +127,7 @@ class GoodVideoChecker(Elaboratable):
             m,
             "i to o",
             enters=moves(dut.i),
-            given=dut.i.payload,
+            given=Cat(dut.i.payload.pixel, framing),
             leaves=moves(dut.o),
             found=dut.o.payload,
             capacity=1,
@@ -116,7 +139,9 @@ class GoodVideoChecker(Elaboratable):
             invariant(m, Value.cast(dut.o.payload) == board.value, "another beat is at the output")
         invariant(m, (dut.active == ~place.first) & ~inside["surplus"], "active differs")
         with m.If(dut.active):
-            counts(m, inside, place, width, height)
+            counts(m, inside, place)
+            if lanes > 1:
+                kept_inside(m, inside, kept)
         return m
 
 
@@ -156,8 +181,36 @@ GOOD_VIDEO = Claim(
         Fault("last_row.eq(y == last_but_one_y)", "last_row.eq(y == last_but_one_x)", "wrong", within=16),
     ),
 )
+LANES = 4
+ANY_LANES = Claim(
+    says="FrameGuard, four pixels per clock: whole frames or a cut, for any video",
+    design=hdl.edges.frame_guard,
+    check=lambda design: AnyVideoChecker(design, LANES),
+    depth=2,
+    covered=16,
+    faults=(
+        Fault(
+            "short_line |= (inside | start) & lacking", "short_line |= inside & lacking", "wrong", within=8
+        ),
+        Fault("(~eol | beyond)", "~eol", "eol_late", within=10),
+        Fault("Mux(row_end & self.active, ~needed, 0)", "Mux(row_end, ~needed, 0)", "wrong", within=16),
+        Fault("Mux(row_end & self.active, last_lane, -1)", "last_lane", "i to o", within=8),
+        Fault("with m.Elif(late):", "with m.Elif(too_long):", "wrong", within=12),
+    ),
+)
+GOOD_LANES = Claim(
+    says="FrameGuard, four pixels per clock: well-formed video passes untouched and without an event",
+    design=hdl.edges.frame_guard,
+    check=lambda design: GoodVideoChecker(design, LANES),
+    depth=2,
+    covered=12,
+    faults=(
+        Fault("(width + lanes - 1)", "width", "happens", within=10),
+        Fault("needed.eq((2 << lane) - 1)", "needed.eq((2 << lane) + 1)", "happens", within=10),
+    ),
+)
 
 
-@pytest.mark.parametrize("case", cases(ANY_VIDEO, GOOD_VIDEO))
+@pytest.mark.parametrize("case", cases(ANY_VIDEO, GOOD_VIDEO, ANY_LANES, GOOD_LANES))
 def test_frame_guard(case: Case, record_property: Callable[[str, object], None]) -> None:
     case(record_property)

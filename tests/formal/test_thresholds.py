@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from amaranth.hdl import Assert, Cover, Elaboratable, Module, Mux, Signal
+from amaranth.hdl import Assert, Cat, Cover, Elaboratable, Module, Mux, Signal, Value
 
 import hdl.thresholds
 from hdl.build import Build
@@ -21,13 +21,15 @@ NARROW = Build.profile("paper", pixel_bits=4)
 
 
 class ThresholdsChecker(Elaboratable):
-    def __init__(self, design: Any) -> None:
+    def __init__(self, design: Any, lanes: int = 1) -> None:
         self._design = design
+        self._lanes = lanes
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         bits = self._design.SIGMA2_BITS
-        parameters = DEFAULT if bits == hdl.thresholds.SIGMA2_BITS else NARROW
+        built = DEFAULT if bits == hdl.thresholds.SIGMA2_BITS else NARROW
+        parameters = built.changed(pixels_per_clock=self._lanes)
         m.submodules.dut = dut = self._design.Thresholds(parameters)
         inside = probes_of(dut)
         free(m, dut)
@@ -57,9 +59,9 @@ class ThresholdsChecker(Elaboratable):
             m,
             "thresholds",
             enters=moves(dut.settings),
-            given=dut.settings.payload.report_rejected,
+            given=self._passed_on(dut.settings.payload),
             leaves=moves(dut.thresholds),
-            found=dut.thresholds.payload.report_rejected,
+            found=self._passed_on(dut.thresholds.payload),
             capacity=1,
         )
         made_within = made.leaves_within(bits + 1, dut.thresholds.ready)
@@ -81,7 +83,7 @@ class ThresholdsChecker(Elaboratable):
         invariant(m, ~(chosen | referred) | dut.settings.valid, "settings are gone")
         invariant(m, inside["first"] == first, "frames differ")
         with m.If(made.following):
-            invariant(m, dut.thresholds.payload.report_rejected == made.value, "another frame's thresholds")
+            invariant(m, self._passed_on(dut.thresholds.payload) == made.value, "another frame's thresholds")
         # how far it has come with a frame: what is overdue cannot be so for longer
         invariant(m, soon <= referred, "settings come late")
         invariant(m, ~multiplying | (made_within <= count), "thresholds come late")
@@ -93,17 +95,22 @@ class ThresholdsChecker(Elaboratable):
             invariant(m, late <= bits + 4, "an input waits longer")
         return m
 
+    def _passed_on(self, payload: Any) -> Value:
+        """What settings and thresholds have in common."""
+        return Cat(payload.report_rejected, payload.last_lanes if self._lanes > 1 else ())
 
+
+SMALL = variant(
+    hdl.thresholds,
+    {
+        "    SIGMA2_INTEGER_BITS,\n    SIGMA_BITS,\n": "",
+        "SIGMA2_BITS = ": "SIGMA_BITS, SIGMA2_INTEGER_BITS = 2, 1\nSIGMA2_BITS = ",
+    },
+)
 THRESHOLDS = Claim(
     says="Thresholds: one set per frame, stream rules, no deadlock",
     design=hdl.thresholds,
-    small=variant(
-        hdl.thresholds,
-        {
-            "    SIGMA2_INTEGER_BITS,\n    SIGMA_BITS,\n": "",
-            "SIGMA2_BITS = ": "SIGMA_BITS, SIGMA2_INTEGER_BITS = 2, 1\nSIGMA2_BITS = ",
-        },
-    ),
+    small=SMALL,
     check=ThresholdsChecker,
     depth=2,
     covered=14,
@@ -118,8 +125,21 @@ THRESHOLDS = Claim(
         ),
     ),
 )
+LANES = Claim(
+    says="Thresholds, four pixels per clock: one set per frame, with the lanes of its rows' last beats",
+    design=hdl.thresholds,
+    small=SMALL,
+    check=lambda design: ThresholdsChecker(design, lanes=4),
+    depth=2,
+    covered=14,
+    faults=(
+        Fault(
+            "last_lanes.eq(self.settings.payload.last_lanes)", "last_lanes.eq(0)", "thresholds: another", 20
+        ),
+    ),
+)
 
 
-@pytest.mark.parametrize("case", cases(THRESHOLDS))
+@pytest.mark.parametrize("case", cases(THRESHOLDS, LANES))
 def test_thresholds(case: Case, record_property: Callable[[str, object], None]) -> None:
     case(record_property)

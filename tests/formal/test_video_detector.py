@@ -30,13 +30,15 @@ class VideoDetectorChecker(Elaboratable):
 
     resets = False
 
-    def __init__(self, design: Any) -> None:
+    def __init__(self, design: Any, lanes: int = 1) -> None:
         self._design = design
+        self._lanes = lanes
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        self.detector = detector = AbstractDetector(PARAMETERS, MOST)
-        m.submodules.dut = self.dut = dut = self._design.VideoDetector(PARAMETERS, detector=detector)
+        build = PARAMETERS.changed(pixels_per_clock=self._lanes)
+        self.detector = detector = AbstractDetector(build, MOST)
+        m.submodules.dut = self.dut = dut = self._design.VideoDetector(build, detector=detector)
         self.inside = probes_of(dut)
         self.guard, self.packets = guard, packets = dut._guard, dut._packets
         guard_inside, packets_inside, _ = (probes_of(part) for part in (guard, packets, detector))
@@ -85,10 +87,11 @@ class VideoDetectorChecker(Elaboratable):
 
     def _assume_software(self, m: Module) -> None:
         control, asked = self.dut.control, Signal()
-        m.d.comb += Assume(allowed(control.width, control.height))
+        m.d.comb += Assume(allowed(control.width, control.height, self._lanes))
         if self._design is not hdl.edges.video_detector:
             # a fault is found soonest with the smallest frames
-            small = (control.width == LEAST["x"]) & (control.height == LEAST["y"])
+            least = (LEAST["x"] - 1) * self._lanes + 1
+            small = (control.width == least) & (control.height == LEAST["y"])
             m.d.comb += Assume(small & control.enable & ~control.ignore_eol)
         m.d.sync += asked.eq(control.reset & ~self.dut.reset_done)
         self.asked = asked
@@ -248,8 +251,17 @@ RESET = Claim(
         Fault("packets.clear.eq(self.reset_done)", "packets.clear.eq(restart)", "in the middle", within=10),
     ),
 )
+LANES = Claim(
+    says="VideoDetector, four pixels per clock: one packet for each frame, and none is lost by a cut",
+    design=hdl.edges.video_detector,
+    check=lambda design: ExactChecker(design, lanes=4),
+    depth=DEPTH,
+    covered=11,
+    long=True,
+    faults=(Fault("(guard.cut & empty)", "guard.cut", "a complete frame is lost", within=12),),
+)
 
 
-@pytest.mark.parametrize("case", cases(EXACT, RESET))
+@pytest.mark.parametrize("case", cases(EXACT, RESET, LANES))
 def test_video_detector(case: Case, record_property: Callable[[str, object], None]) -> None:
     case(record_property)
