@@ -255,7 +255,7 @@ def parameters_from(profile: str, options: dict[str, Any]) -> Parameters:
 
 def most_demanding(parameters: Iterable[_Parameters]) -> _Parameters:
     """The one of several detectors whose smallest frame is the largest: all take what it takes."""
-    return max(parameters, key=lambda each: each.algorithm.support)
+    return max(parameters, key=lambda each: (each.min_width, each.algorithm.support))
 
 
 def build_from(profile: str, options: dict[str, Any]) -> Build:

@@ -70,7 +70,9 @@ class _Wanted:
         width, height = self._least
         least = f"allowed: {width}x{height} up to"
         if self.options:
-            return f"{least} the built maximum of {largest} (see --max-width, --max-height)"
+            # with one pixel per clock the least width is the least height
+            lanes = ", --pixels-per-clock" if width > height else ""
+            return f"{least} the built maximum of {largest} (see --max-width, --max-height{lanes})"
         return f"{least} {largest}"
 
     def pixels(self, decoded: Decoded, name: str) -> Photograph:

@@ -172,13 +172,44 @@ def test_gradient_step_takes_one_pixel_per_clock(folder: Path, command: str) -> 
     assert listing(folder) == before
 
 
-def test_image_narrower_than_several_pixels_per_clock_take(folder: Path) -> None:
-    before, least = listing(folder), Build.profile("robust", pixels_per_clock=8).min_width
-    Image.new("L", (least - 1, 24)).save(folder / "narrow.png")
+@pytest.mark.parametrize(
+    ("profiles", "lanes", "least"),
+    [
+        (["robust"], 2, (15, 13)),
+        (["robust"], 4, (17, 13)),
+        (["robust"], 8, (25, 13)),
+        (["robust", "paper"], 4, (19, 15)),
+    ],
+)
+def test_image_narrower_than_several_pixels_per_clock_take(
+    folder: Path, profiles: list[str], lanes: int, least: tuple[int, int]
+) -> None:
+    builds = [Build.profile(profile, pixels_per_clock=lanes) for profile in profiles]
+    assert least[0] == max(build.min_width for build in builds)
+    before, options = listing(folder), [word for name in profiles for word in ("--profile", name)]
+    Image.new("L", (least[0] - 1, 24)).save(folder / "narrow.png")
     check(
-        run("simulate", "narrow.png", "--profile", "robust", "--pixels-per-clock", "8"),
-        f"narrow.png is {least - 1}x24 pixels; allowed: {least}x13 up to",
+        run("simulate", "narrow.png", *options, "--pixels-per-clock", str(lanes)),
+        f"narrow.png is {least[0] - 1}x24 pixels; allowed: {least[0]}x{least[1]} up to",
+        "(see --max-width, --max-height, --pixels-per-clock)",
     )
+    assert listing(folder) == before
+
+
+@pytest.mark.parametrize(
+    "line", ["simulate good.png", "verilog -o new.v", "package -o new", "quartus export -o new", "synth"]
+)
+@pytest.mark.parametrize(
+    ("options", "part"),
+    [
+        ("--pixels-per-clock 3", "pixels_per_clock is 3; allowed: 1, 2, 4, 8"),
+        ("--pixels-per-clock 4 --max-width 16", "max_width is 16; allowed: whole numbers from 17 to 8192"),
+        ("--pixels-per-clock 8 --max-width 24", "max_width is 24; allowed: whole numbers from 25 to 8192"),
+    ],
+)
+def test_pixels_per_clock(folder: Path, line: str, options: str, part: str) -> None:
+    before = listing(folder)
+    check(run(*line.split(), *options.split()), part)
     assert listing(folder) == before
 
 
@@ -186,8 +217,9 @@ def test_image_narrower_than_several_pixels_per_clock_take(folder: Path) -> None
     ("option", "value", "parts"),
     [
         ("--fit", "printed", ["fit is 'printed'", "allowed in hardware: nine, six"]),
-        ("--pixels-per-clock", "3", ["pixels_per_clock is 3; allowed: 1, 2, 4, 8"]),
+        ("--pixels-per-clock", "0", ["pixels_per_clock is 0; allowed: 1, 2, 4, 8"]),
         ("--pixels-per-clock", "16", ["pixels_per_clock is 16; allowed: 1, 2, 4, 8"]),
+        ("--pixels-per-clock", "two", ["--pixels-per-clock", "'two' is not a valid integer"]),
         ("--frames", "0", ["--frames", "0 is not in the range x>=1"]),
         # 32x24 pixels each
         ("--frames", "349526", ["--frames is 349526; allowed with an image of this size: 1 to 349525"]),
