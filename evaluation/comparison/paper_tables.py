@@ -1,4 +1,4 @@
-"""Tables 1 to 4 of the paper, as printed, and AMD's figures for its own corner detector.
+"""Tables 1 to 4 of the paper, as printed.
 
 Numbers of the paper's references are kept in brackets. Where the paper contradicts itself the
 printed value stands, and :data:`REMARKS` says what is odd about it.
@@ -96,24 +96,3 @@ REMARKS = {
     "block rams": "Table 2 prints 28 block RAMs, the text below Table 1 says 34.",
     "amaricai": "134 frames of 1200×720 are 115,776,000 pixels; the paper prints 114,776,000.",
 }
-
-
-@dataclass(frozen=True)
-class Harris:
-    """AMD's Vitis Vision ``cornerHarris``: HD frames, filter 5×5, one pixel per clock.
-
-    The device is a Zynq UltraScale+. It has six-input LUTs, which do not compare with logic
-    elements one to one.
-    """
-
-    method: str = "AMD Vitis Vision cornerHarris"
-    width: int = 1920
-    height: int = 1080
-    clock_mhz: int = 300
-    lut6: int = 5695
-    ff: int = 5455
-    bram18: int = 45
-    dsp: int = 10
-
-
-VITIS = Harris()

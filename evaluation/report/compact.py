@@ -9,23 +9,24 @@ LONGEST = 600
 """Characters of a line: enough for one record; a list of numbers alone may be longer."""
 
 
-def compact(value: Any) -> str:
+def compact(value: Any, longest: int = LONGEST) -> str:
     """JSON in which everything that fits into one line is on one; it ends in a line break."""
-    return _lines(value, "") + "\n"
+    return _lines(value, "", longest) + "\n"
 
 
-def _lines(value: Any, indent: str) -> str:
+def _lines(value: Any, indent: str, longest: int) -> str:
     whole = json.dumps(value, ensure_ascii=False)
-    if len(indent) + len(whole) <= LONGEST or not _nested(value):
+    if len(indent) + len(whole) <= longest or not _nested(value):
         return whole
     deeper = indent + " "
     if isinstance(value, dict):
         parts = [
-            f"{json.dumps(key, ensure_ascii=False)}: {_lines(each, deeper)}" for key, each in value.items()
+            f"{json.dumps(key, ensure_ascii=False)}: {_lines(each, deeper, longest)}"
+            for key, each in value.items()
         ]
         first, last = "{}"
     else:
-        parts = [_lines(each, deeper) for each in value]
+        parts = [_lines(each, deeper, longest) for each in value]
         first, last = "[]"
     return f"{first}\n" + ",\n".join(deeper + part for part in parts) + f"\n{indent}{last}"
 

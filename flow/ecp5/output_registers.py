@@ -6,11 +6,32 @@ block takes 5.8 ns to its output, and 1 ns from this register.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from flow.netlist import Bit, Cell, Module
 
-BLOCK_RAM, FLIP_FLOP = "DP16KD", "TRELLIS_FF"
-PORTS = ("A", "B")
-WIDTH = 18
+FLIP_FLOP = "TRELLIS_FF"
+
+
+@dataclass(frozen=True)
+class Port:
+    """A port of a block that reads: the names of its pins, and of the parameter for its register.
+
+    ``data`` begins the names of the ``width`` outputs.
+    """
+
+    data: str
+    width: int
+    clock: str
+    enable: str
+    mode: str
+
+
+BLOCK_RAMS = {
+    "DP16KD": tuple(Port(f"DO{port}", 18, f"CLK{port}", f"OCE{port}", f"REGMODE_{port}") for port in "AB"),
+    "PDPW16KD": (Port("DO", 36, "CLKR", "OCER", "REGMODE"),),
+}
+"""Kinds of block RAM, and their ports that read; the second kind is wider and has one of each."""
 
 
 def use_output_registers(module: Module[Cell]) -> int:
@@ -22,11 +43,16 @@ def use_output_registers(module: Module[Cell]) -> int:
     flip-flops invert gets one lookup table for all ports, because a port does not invert.
     """
     inverted: dict[Bit, Bit] = {}
-    return sum(_move(module, ram, port, inverted) for ram in module.of_kind(BLOCK_RAM) for port in PORTS)
+    return sum(
+        _move(module, ram, port, inverted)
+        for kind, ports in BLOCK_RAMS.items()
+        for ram in module.of_kind(kind)
+        for port in ports
+    )
 
 
-def _move(module: Module[Cell], ram: Cell, port: str, inverted: dict[Bit, Bit]) -> int:
-    outputs = [name for name in (f"DO{port}{k}" for k in range(WIDTH)) if module.is_read(ram[name])]
+def _move(module: Module[Cell], ram: Cell, port: Port, inverted: dict[Bit, Bit]) -> int:
+    outputs = [name for name in (f"{port.data}{k}" for k in range(port.width)) if module.is_read(ram[name])]
     registers = [_register_behind(module, ram, port, name) for name in outputs]
     found = [register for register in registers if register is not None]
     enables = {_enable(register) for register in found}
@@ -40,12 +66,12 @@ def _move(module: Module[Cell], ram: Cell, port: str, inverted: dict[Bit, Bit]) 
     with module.changing(ram):
         for name, register in zip(outputs, found, strict=True):
             ram[name] = register["Q"]
-        ram[f"OCE{port}"] = enable
-    ram.json["parameters"][f"REGMODE_{port}"] = "OUTREG"
+        ram[port.enable] = enable
+    ram.json["parameters"][port.mode] = "OUTREG"
     return len(found)
 
 
-def _register_behind(module: Module[Cell], ram: Cell, port: str, output: str) -> Cell | None:
+def _register_behind(module: Module[Cell], ram: Cell, port: Port, output: str) -> Cell | None:
     """The flip-flop that alone reads an output, if it can move."""
     reader = module.only_reader(ram[output])
     if reader is None or reader[0].kind != FLIP_FLOP or reader[1] != "DI":
@@ -53,7 +79,7 @@ def _register_behind(module: Module[Cell], ram: Cell, port: str, output: str) ->
     register = reader[0]
     # no reset is a reset that never comes
     plain = register.parameter("CLKMUX") == "CLK" and register.parameter("CEMUX") in ("CE", "INV", "1")
-    fits = register["CLK"] == ram[f"CLK{port}"] and register["LSR"] in ("0", "x")
+    fits = register["CLK"] == ram[port.clock] and register["LSR"] in ("0", "x")
     return register if plain and fits else None
 
 

@@ -24,6 +24,8 @@ from sim.rtlil import without_zeros
 SCRIPT = """
 read_rtlil design.il
 synth_ecp5 -top {top} -run begin:map_ram
+memory_libmap -lib memory.txt -D WORDS_512 t:$mem_v2 r:WR_PORTS>0 %i r:SIZE>64 %i r:SIZE<=512 %i r:WIDTH>9 %i
+memory_libmap -lib memory.txt -D WORDS_1024 t:$mem_v2 r:WR_PORTS>0 %i r:SIZE>64 %i r:SIZE<=1024 %i r:WIDTH>9 %i
 memory_libmap -lib memory.txt t:$mem_v2 r:WR_PORTS>0 %i r:SIZE>64 %i
 techmap -map memory.v
 setattr -set ram_style "block" c:*ring_* t:$mem_v2 %i

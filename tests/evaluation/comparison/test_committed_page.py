@@ -5,25 +5,21 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 from pathlib import Path
+from statistics import median
 
 import pytest
 
+from cornerstream.compare import LONGEST
 from evaluation.comparison import page as comparison
-from evaluation.comparison.figures import (
-    AREA_FIELDS,
-    PLACED,
-    SIZES,
-    Variant,
-    builds,
-    clocks,
-    structure,
-)
+from evaluation.comparison.figures import AREA_FIELDS, clocks, structure
+from evaluation.comparison.variants import SIZES, Variant, all_builds, builds
 from evaluation.figures import Figures
 from evaluation.report.compact import compact
 from tests.support.builds import each
 
 DOCS = Path(__file__).parents[3] / "docs" / "results"
 QUICK = builds(SIZES[-1:])
+SMALLEST = QUICK[0]
 
 
 def committed() -> Figures:
@@ -36,18 +32,22 @@ def test_committed_page_is_written_from_the_committed_figures() -> None:
 
 def test_committed_figures_are_a_build_a_line() -> None:
     text = (DOCS / comparison.FIGURES_NAME).read_text(encoding="utf-8")
-    assert text == compact(committed())
+    assert text == compact(committed(), LONGEST)
     assert len(text.splitlines()) == len(committed()["builds"]) + 5
 
 
 def test_committed_figures_are_complete() -> None:
     found = committed()["builds"]
-    assert [(b["profile"], b["buffering"], b["width"], b["height"]) for b in found] == [
-        tuple(asdict(build).values()) for build in builds()
-    ]
-    for figure in found:
-        assert all(figure[field] is not None for field in (*AREA_FIELDS, "clocks_per_frame"))
-        assert (figure["fmax_mhz"] is not None) == ((figure["width"], figure["height"]) in PLACED)
+    assert [{name: figure[name] for name in asdict(SMALLEST)} for figure in found] == list(
+        map(asdict, all_builds())
+    )
+    for build, figure in zip(all_builds(), found, strict=True):
+        counted = (*AREA_FIELDS, "blocks", "clocks_per_frame", "end_of_frame_clocks")
+        assert all(figure[field] is not None for field in counted)
+        assert sum(figure["blocks"].values()) == figure["le_packed"]
+        assert tuple(map(int, figure["fmax_by_seed"] or ())) == build.seeds
+        if build.seeds:
+            assert figure["fmax_mhz"] == median(figure["fmax_by_seed"].values())
         assert figure["le_lower"] <= figure["le_packed"] <= figure["le_upper"]
 
 
@@ -60,6 +60,7 @@ def test_committed_figures_reach_the_targets(
 ) -> None:
     """In the size of Table 1: less than the paper's 6,507 elements and 803,104 bits, at 100 MHz."""
     wanted = {"profile": "paper", "buffering": buffering, "width": 1200, "height": 720}
+    wanted["pixels_per_clock"] = 1
     (build,) = (found for found in committed()["builds"] if wanted.items() <= found.items())
     assert build["le_packed"] <= elements and build["memory_bits"] <= memory_bits
     assert build["fmax_mhz"] >= mhz and build["multipliers"] == 0
@@ -79,5 +80,5 @@ def test_cheap_figures_are_measured_anew(build: Variant) -> None:
         if {name: found[name] for name in asdict(build)} == asdict(build)
     )
     fresh = structure(build.parameters) | clocks(build.parameters)
-    for field in ("declared_memory_bits", "port_bits", "clocks_per_frame", "corners"):
+    for field in ("declared_memory_bits", "port_bits", "clocks_per_frame", "end_of_frame_clocks", "corners"):
         assert kept[field] == fresh[field], f"{field} has changed: run cornerstream compare"

