@@ -38,8 +38,9 @@ class Build(Parameters):
     sqrt_bits_per_stage
         Result bits per pipeline stage of the square root, 1 to 17. Hardware only.
     queue_depth
-        Corners that can wait for the subpixel refinement, 8 to 1024, before the input has to.
-        Hardware only: changes delays, never a record.
+        Corners that can wait for the subpixel refinement, 8 to 1024, before the input has to. With
+        several pixels per clock, twice as many beats with candidates can wait, too. Hardware only:
+        changes delays, never a record.
     refinement_units
         Units that refine corners, in turn, 1 to 4. 0: as many as every photograph needs that the
         project was measured with; with 4 or 8 pixels per clock, units that are faster, too.
@@ -126,6 +127,39 @@ class Build(Parameters):
     def refinement_bits(self) -> int:
         """Bits of a mantissa that a unit multiplies per clock: see ``hdl.subpixel.Subpixel``."""
         return 2 if self.pixels_per_clock >= 4 else 1
+
+    @property
+    def sums_halves(self) -> bool:
+        """Are a candidate's textures summed up by halves of its window?
+
+        See ``hdl.candidate_texture.CandidateTexture``; other filters read columns from the left.
+        """
+        algorithm = self.algorithm
+        unsmoothed = algorithm.texture == "patches" and algorithm.response_filter == "none"
+        return self.pixels_per_clock > 1 and unsmoothed
+
+    @property
+    def window_reads(self) -> int:
+        """Columns of a candidate's window that are read in each clock.
+
+        With 8 pixels per clock a photograph has a candidate every 6 to 7 clocks, and half a window
+        has 5 columns.
+        """
+        return 2 if self.sums_halves and self.pixels_per_clock == 8 else 1
+
+    @property
+    def candidate_beats(self) -> int:
+        """Beats with candidates that can wait."""
+        return 2 * self.queue_depth
+
+    @property
+    def ring_beats(self) -> int:
+        """Beats of columns that are kept for candidates that wait, a power of two.
+
+        A block RAM has 256 places at its widest. Twice as many are needed where windows are read
+        nearly as slowly as candidates come.
+        """
+        return 512 if self.sums_halves and self.pixels_per_clock == 4 else 256
 
     @property
     def rows_late(self) -> int:

@@ -18,7 +18,14 @@ class CandidatePeak(Maxima):
     """E of windows whose centres are known to be peaks, beside the surface fit.
 
     It takes the place of :class:`hdl.corner_detection.CornerDetection` where candidates are read
-    one after the other.
+    one after the other. Without ``budget`` they are above T1: the others have not been read.
+
+    Parameters
+    ----------
+    parameters
+        Parameters of the detector.
+    late
+        Clocks by which it waits for the texture filter, less than from a window to the next.
 
     Members
     -------
@@ -28,34 +35,43 @@ class CandidatePeak(Maxima):
         Stream of T1, one per frame, taken with the frame's end.
     note
         The window that was taken last is none, and no corner.
+    end
+        It is the end of a frame.
     o
         Stream of ``Beat(corner_layout(parameters))``, one for each row.
     """
 
-    latency = 3
     reads = "centres"
+    shortest = 3
+    """Clocks without ``late``."""
 
-    def __init__(self, parameters: Build) -> None:
-        super().__init__(parameters, Columns(response_layout(parameters), CENTRE_SIZE), {"note": In(1)})
+    def __init__(self, parameters: Build, late: int = 0) -> None:
+        self.latency = self.shortest + late
+        super().__init__(
+            parameters, Columns(response_layout(parameters), CENTRE_SIZE), {"note": In(1), "end": In(1)}
+        )
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o, permit=self.t1.valid)
         step = pipe.valid & pipe.advance
         window = WindowCounter(m, CENTRE_SIZE, step=step, eol=self.i.payload.eol)
-        m.d.comb += self.t1.ready.eq(step & self.i.payload.eof)
+        m.d.comb += self.t1.ready.eq(self.o.valid & self.o.ready & self.o.payload.eof)
         # with the window's last column it is that of the one before
         middle = pipe.register(responses(self.i.payload)[CENTRE_SIZE // 2], "middle", when=pipe.valid)
-        response = pipe.delay(middle, 2, "response")
-        eof = pipe.delay(self.i.payload.eof, self.latency - 1, "eof")
-        corner = (response > self.t1.payload) & ~self.note
+        ends = pipe.valid & window.complete
+        # it stays until the next window's
+        response = pipe.register(middle, "response", when=ends)
+        corner = ~self.note
+        if self._parameters.budget:
+            corner &= response > self.t1.payload
         found = self.o.payload.data
         m.d.comb += [
-            self.o.valid.eq(pipe.delay(pipe.valid & window.complete, self.latency, "valid", reset=True)),
+            self.o.valid.eq(pipe.delay(ends, self.latency, "valid", reset=True)),
             found.corner.eq(pipe.register(corner, "corner")),
-            found.response.eq(pipe.register(response, "response_out")),
+            found.response.eq(response),
             self.o.payload.eol.eq(C(1, 1)),
-            self.o.payload.eof.eq(pipe.register(eof, "eof_out")),
+            self.o.payload.eof.eq(pipe.register(self.end, "eof")),
         ]
         if self._parameters.budget:
             m.d.comb += found.peak.eq(pipe.register(~self.note, "peak"))

@@ -16,11 +16,6 @@ from hdl.parts.optional import optional
 from hdl.parts.queue import Queue
 from hdl.peak_mask import mask_layout
 
-RING_BEATS = 256
-"""Beats of columns that the ring holds: as many as a block RAM has places at its widest."""
-RING_BITS = RING_BEATS.bit_length() - 1
-WAITING = 16
-"""Beats with candidates that can wait."""
 PLACE_BITS = COORDINATE_BITS - OFFSET_BITS
 
 
@@ -45,7 +40,11 @@ def place_layout(build: Build) -> data.StructLayout:
 def request_layout(build: Build) -> data.StructLayout:
     """The window's newest column in the ring, and its centre's place."""
     lane_bits = (build.pixels_per_clock - 1).bit_length()
-    return data.StructLayout({"column": RING_BITS + lane_bits, "place": place_layout(build)})
+    return data.StructLayout({"column": _ring_bits(build) + lane_bits, "place": place_layout(build)})
+
+
+def _ring_bits(build: Build) -> int:
+    return (build.ring_beats - 1).bit_length()
 
 
 def _entry_layout(build: Build) -> data.StructLayout:
@@ -56,7 +55,7 @@ def _entry_layout(build: Build) -> data.StructLayout:
             "mask": lanes,
             "note": 1,
             "end": 1,
-            "ring": RING_BITS,
+            "ring": _ring_bits(build),
             "beat": PLACE_BITS - (lanes - 1).bit_length(),
             "y": PLACE_BITS,
             **optional(build.max_per_cell > 0, **cells),
@@ -101,7 +100,7 @@ class CandidateQueue(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        m.submodules.entries = entries = Queue(_entry_layout(self._build), WAITING)
+        m.submodules.entries = entries = Queue(_entry_layout(self._build), self._build.candidate_beats)
         room, step = Signal(init=1), Signal()
         marks, entry = self.i.payload, entries.i.payload
         m.d.sync += room.eq(entries.room & ~self.full)

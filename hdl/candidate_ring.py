@@ -1,17 +1,18 @@
-"""Windows of candidates out of the last beats of columns, one column per clock."""
+"""Windows of candidates out of the last beats of columns, one or two columns per clock."""
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
-from amaranth.hdl import Array, Cat, Module, Signal, Value
+from amaranth.hdl import Array, C, Cat, Module, Mux, Shape, Signal, Value
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 from hdl.build import Build
-from hdl.candidate_queue import RING_BEATS, RING_BITS, place_layout, request_layout
-from hdl.parts.lanes import each_lane
+from hdl.candidate_queue import place_layout, request_layout
+from hdl.parts.lanes import each_lane, lanes_of
 from hdl.parts.stream import Columns
 from hdl.sample import response_layout, responses_shape
 
@@ -19,10 +20,28 @@ SLACK = 32
 """Beats that may still be written once the ring is called full, and those a window reaches back."""
 
 
+def window_order(build: Build, size: int) -> list[int]:
+    """The columns of a window, ``size`` wide, in the order in which they are read.
+
+    From the left; or both halves from the outer column to the centre. With two columns per clock it
+    is the left half, and beside each column that which is half a window further right.
+    """
+    if not build.sums_halves:
+        return list(range(size))
+    left = list(range(size // 2 + 1))
+    return left if build.window_reads == 2 else [*left, *(size - 1 - k for k in left)]
+
+
 class CandidateRing(wiring.Component):
     """The columns of each candidate's window, one after the other, as a row of their own.
 
-    The last 256 beats of columns lie in block RAM, a memory for each lane.
+    The last ``Build.ring_beats`` beats of columns lie in block RAM, a memory for each lane.
+
+    Two columns per clock are half a beat apart, so that they lie in different memories: one in the
+    lower half of the lanes, the other in the upper half.
+
+    Clocks of a read: 1 block RAM, 2 the register behind it, 3 one of the lanes, or one of each half
+    of them and then, in clock 4, which one is the left one.
 
     Parameters
     ----------
@@ -46,23 +65,19 @@ class CandidateRing(wiring.Component):
     full
         A register: as good as no place is left that a window will not need.
     o
-        Stream of ``Columns(response_layout(build), rows)``, ``size`` to a row. ``eof``: it is no
-        candidate, but the end of a frame, and the columns mean nothing.
+        Stream of ``Columns(lanes_of(response_layout(build), build.window_reads), rows)``, a window
+        in :func:`window_order` to a row. ``eof``: it is no candidate, but the end of a frame, and
+        the columns mean nothing.
     place
         The place of the window whose last column is on offer.
     """
 
-    latency = 4
-    """Clocks from a request to the window's first column."""
-
-    @property
-    def interval(self) -> int:
-        """Clocks from one window to the next, where many wait."""
-        return self._size
-
     def __init__(self, build: Build, rows: int, size: int, late: int) -> None:
-        self._build, self._rows, self._size, self._late = build, rows, size, late
-        sample = response_layout(build)
+        self._build, self._rows, self._newest = build, rows, size - 1 + late
+        self._order = window_order(build, size)
+        self.latency = 3 + build.window_reads
+        """Clocks from a request to the window's first column."""
+        sample = lanes_of(response_layout(build), build.window_reads)
         super().__init__(
             {
                 "columns": In(data.ArrayLayout(responses_shape(build), rows)),
@@ -75,25 +90,35 @@ class CandidateRing(wiring.Component):
             }
         )
 
+    @property
+    def interval(self) -> int:
+        """Clocks from one window to the next, where many wait."""
+        return len(self._order)
+
+    @property
+    def memory_bits(self) -> int:
+        bits = Shape.cast(response_layout(self._build)).width
+        return self._build.ring_beats * self._build.pixels_per_clock * self._rows * bits
+
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         advance = self.o.ready
-        running, count = Signal(), Signal(range(self._size))
+        running, count = Signal(), Signal(range(self.interval))
         column = Signal(self.i.payload.column.shape())
         is_last, start = Signal(), Signal()
         m.d.comb += [
-            is_last.eq(count == self._size - 1),
+            is_last.eq(count == self.interval - 1),
             self.i.ready.eq(~running | (is_last & advance)),
             start.eq(self.i.valid & self.i.ready),
         ]
         now = Signal(place_layout(self._build), reset_less=True)
         with m.If(advance & running):
-            m.d.sync += [count.eq(count + 1), column.eq(column + 1)]
+            m.d.sync += [count.eq(count + 1), column.eq(column + self._stride(count))]
         with m.If(self.i.ready):
             m.d.sync += [
                 running.eq(start),
                 count.eq(0),
-                column.eq(self.i.payload.column - (self._size - 1 + self._late)),
+                column.eq(self.i.payload.column - self._newest),
                 now.eq(self.i.payload.place),
             ]
         with m.If(advance & running & is_last):
@@ -109,6 +134,13 @@ class CandidateRing(wiring.Component):
         m.d.comb += Cat(self.o.valid, self.o.payload.eol, self.o.payload.eof).eq(tags)
         return m
 
+    def _stride(self, count: Signal) -> Value:
+        """From a column to the next."""
+        strides = [b - a for a, b in itertools.pairwise(self._order)]
+        if set(strides) == {1}:
+            return C(1, 1)
+        return Array(C(stride, range(-1, max(strides) + 1)) for stride in strides)[count]
+
     def _guard(self, m: Module, running: Signal, column: Signal) -> None:
         """Full: the column that is being read is nearly as old as the ring is long.
 
@@ -116,43 +148,54 @@ class CandidateRing(wiring.Component):
         stays as it is; where none waits, whatever comes is new.
         """
         lane_bits = (self._build.pixels_per_clock - 1).bit_length()
-        written, age, was_running = Signal(RING_BITS), Signal(RING_BITS), Signal()
+        beats = self._build.ring_beats
+        written, age, was_running = Signal(range(beats)), Signal(range(beats)), Signal()
         with m.If(self.step):
             m.d.sync += written.eq(written + 1)
         m.d.sync += [was_running.eq(running), age.eq(written - column[lane_bits:])]
         with m.If(was_running):
-            m.d.sync += self.full.eq(age >= RING_BEATS - SLACK)
+            m.d.sync += self.full.eq(age >= beats - SLACK)
         with m.Elif(~running & ~self.waiting):
             m.d.sync += self.full.eq(0)
         self.written = written
 
     def _read(self, m: Module, advance: Value, column: Signal) -> Value:
-        lanes = self._build.pixels_per_clock
+        """The column, or two of them side by side in each row."""
+        build = self._build
+        lanes, reads = build.pixels_per_clock, build.window_reads
         lane_bits = (lanes - 1).bit_length()
+        beat, beat_before_half = column[lane_bits:], (column + lanes // 2)[lane_bits : len(column)]
+
+        def register(value: Value, name: str) -> Signal:
+            signal = Signal(len(value), name=name, reset_less=True)
+            with m.If(advance):
+                m.d.sync += signal.eq(value)
+            return signal
+
         read_out = []
         for k in range(lanes):
             given = Cat(each_lane(self.columns[row], lanes)[k] for row in range(self._rows))
-            memory = Memory(shape=len(given), depth=RING_BEATS, init=[], attrs={"ram_style": "block"})
+            memory = Memory(shape=len(given), depth=build.ring_beats, init=[], attrs={"ram_style": "block"})
             m.submodules[f"lane_{k}"] = memory
             write, read = memory.write_port(), memory.read_port()
             m.d.comb += [
                 write.addr.eq(self.written),
                 write.data.eq(given),
                 write.en.eq(self.step),
-                read.addr.eq(column[lane_bits:]),
+                # of two columns, the right one may lie in the next beat, in the lower lanes
+                read.addr.eq(beat_before_half if reads == 2 and k < lanes // 2 else beat),
                 read.en.eq(advance),
             ]
             # block RAM is far
-            register = Signal(len(given), name=f"read_{k}", reset_less=True)
-            with m.If(advance):
-                m.d.sync += register.eq(read.data)
-            read_out.append(register)
-        lane_1, lane_2 = Signal(lane_bits, reset_less=True), Signal(lane_bits, reset_less=True)
-        selected = Signal(len(read_out[0]), reset_less=True)
-        with m.If(advance):
-            m.d.sync += [
-                lane_1.eq(column[:lane_bits]),
-                lane_2.eq(lane_1),
-                selected.eq(Array(read_out)[lane_2]),
-            ]
-        return selected
+            read_out.append(register(read.data, f"read_{k}"))
+        lane = register(register(column[:lane_bits], "lane_1"), "lane_2")
+        size = lanes // reads
+        low = lane[: (size - 1).bit_length()]
+        groups = [register(Array(read_out[k : k + size])[low], f"group_{k}") for k in range(0, lanes, size)]
+        if reads == 1:
+            return groups[0]
+        upper = register(lane[-1], "upper")
+        left = register(Mux(upper, groups[1], groups[0]), "left")
+        right = register(Mux(upper, groups[0], groups[1]), "right")
+        bits = len(left) // self._rows
+        return Cat(Cat(v[k * bits : (k + 1) * bits] for v in (left, right)) for k in range(self._rows))

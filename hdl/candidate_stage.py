@@ -12,10 +12,12 @@ from amaranth.lib.wiring import In, Out
 from golden.algorithm import RESPONSE_FILTER_REACH
 from hdl.adaptation import Adaptation, adapted_layout
 from hdl.build import Build
+from hdl.candidate_centres import CandidateCentres
 from hdl.candidate_peak import CandidatePeak
 from hdl.candidate_queue import CandidateQueue, place_layout
 from hdl.candidate_ring import CandidateRing
 from hdl.candidate_selection import corner_flag_layout, pending_record_layout
+from hdl.candidate_texture import CandidateTexture
 from hdl.centre_rows import CENTRE_SIZE
 from hdl.fits import candidate_layout
 from hdl.parts.circular_buffer import CircularBuffer
@@ -48,6 +50,11 @@ class CandidateStage(wiring.Component):
     of the last beats of columns. With a texture filter these are columns of N rows of D, otherwise
     three columns of the three rows around the centre, of S with a response filter.
 
+    For the textures of ``texture="patches"`` half a window is as good as the other, turned round:
+    the candidate texture takes the columns of both from the outer one to the centre, with 8 pixels
+    per clock two columns side by side. Behind a response filter, which needs neighbours in their
+    order, it is the texture filter of one pixel per clock, as with ``texture="mean"``.
+
     The blocks behind the ring move in step. Where they cannot keep up, the beats with candidates
     wait in the queue, and then the samples wait.
 
@@ -76,7 +83,7 @@ class CandidateStage(wiring.Component):
             )
         algorithm, size, shape = p.algorithm, p.algorithm.window_size, responses_shape(p)
         reach = RESPONSE_FILTER_REACH[algorithm.response_filter]
-        self._size, self._budget, self._choosing = size, p.budget, p.max_per_cell > 0
+        self._halves, self._choosing = p.sums_halves, p.max_per_cell > 0
         self._place = place_layout(p)
         self.response_buffer = CircularBuffer(shape, size, p.beats, p.buffering, registers=1)
         self.smoothed_beats = SmoothedBeats(p) if reach else None
@@ -84,13 +91,18 @@ class CandidateStage(wiring.Component):
         self.candidate_queue = CandidateQueue(p)
         block = TEXTURES[algorithm.texture]
         self.texture_filter: Any = block(p) if block else None
-        self.centre_rows = CENTRES[algorithm.response_filter](p) if block else None
+        self.centre_rows: Any = CENTRES[algorithm.response_filter](p) if block else None
+        late = 0
+        if p.sums_halves:
+            self.texture_filter, self.centre_rows = CandidateTexture(p), CandidateCentres(p)
+            # all that is said of a window is said in the same clock
+            late = self.texture_filter.latency - self.centre_rows.last - CandidatePeak.shortest
         if block:
             self.candidate_ring = CandidateRing(p, size, size, 0)
         else:
-            late = (size - CENTRE_SIZE) // 2 - reach
-            self.candidate_ring = CandidateRing(p, CENTRE_SIZE, CENTRE_SIZE, late)
-        self.candidate_peak = CandidatePeak(p)
+            behind = (size - CENTRE_SIZE) // 2 - reach
+            self.candidate_ring = CandidateRing(p, CENTRE_SIZE, CENTRE_SIZE, behind)
+        self.candidate_peak = CandidatePeak(p, late)
         self.surface_fit = SurfaceFit(p)
         self.selection = PlacedSelection(p)
         self._adaptation = optional(p.budget, adaptation=Adaptation(p))
@@ -116,10 +128,17 @@ class CandidateStage(wiring.Component):
             "peak mask": self.peak_mask,
             "candidate queue": self.candidate_queue,
             "candidate ring": self.candidate_ring,
-            **optional(self.centre_rows is not None, **{"centre rows": self.centre_rows}),
-            "candidate peak": self.candidate_peak,
+            **self._judges,
             "candidate selection": self.selection,
         }
+
+    @property
+    def _judges(self) -> dict[str, Any]:
+        """From a window's last column to what is said of it."""
+        if self._halves:
+            return {"texture filter": self.texture_filter}
+        rows = optional(self.centre_rows is not None, **{"centre rows": self.centre_rows})
+        return {**rows, "candidate peak": self.candidate_peak}
 
     @property
     def end_late(self) -> int:
@@ -230,11 +249,15 @@ class CandidateStage(wiring.Component):
         m.d.comb += [self.candidate_peak.t1.valid.eq(1), self.candidate_peak.t1.payload.eq(limits.t1)]
         wiring.connect(m, self.candidate_peak.o, selection.corners)
         wiring.connect(m, self.surface_fit.o, selection.surfaces)
-        # it stays until the next window's last column, when all is said about this one
+        # it stays until the next window's centre has come, when all is said about this one
         place = Signal(self._place, reset_less=True)
-        with m.If(columns.valid & columns.ready & columns.payload.eol):
+        with m.If(centres.valid & centres.ready & centres.payload.eol):
             m.d.sync += place.eq(self.candidate_ring.place)
-        m.d.comb += [self.candidate_peak.note.eq(place.note), selection.place.eq(place)]
+        m.d.comb += [
+            self.candidate_peak.note.eq(place.note),
+            self.candidate_peak.end.eq(place.end),
+            selection.place.eq(place),
+        ]
 
     @staticmethod
     def _feed(m: Module, sink: Any, source: Any) -> None:
