@@ -130,7 +130,7 @@ def place(netlist: Json, device: Device, *, seed: int = 1) -> Timing:
     """
     placed = placed_device(device)
     if placed != device:
-        placed = _large_enough(netlist, placed)
+        placed = large_enough(netlist, placed)
     with TemporaryDirectory(prefix="cornerstream-") as name:
         folder = Path(name)
         (folder / "registered.json").write_text(json.dumps(netlist), encoding="utf-8")
@@ -144,7 +144,7 @@ def place(netlist: Json, device: Device, *, seed: int = 1) -> Timing:
     return read_report(report, placed, seed=seed)
 
 
-def _large_enough(netlist: Json, device: Device) -> Device:
+def large_enough(netlist: Json, device: Device) -> Device:
     """The smallest device from this one on that has block RAM enough; this one if none has."""
     cells = netlist["modules"][MODULE]["cells"].values()
     blocks = sum(cell["type"] in BLOCK_RAMS for cell in cells)

@@ -12,9 +12,12 @@ from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
+from flow.devices import DEVICES
 from flow.ecp5 import synthesis
 from flow.ecp5.output_registers import BLOCK_RAMS, FLIP_FLOP, use_output_registers
+from flow.ecp5.timing import large_enough
 from flow.netlist import Cell, Module
+from flow.verilog import MODULE
 
 WIDTH, DEPTH = 20, 2000
 
@@ -22,13 +25,14 @@ WIDTH, DEPTH = 20, 2000
 class Row(wiring.Component):
     """A row of pixels and a register behind it; ``kind`` is the special case."""
 
-    def __init__(self, kind: str) -> None:
+    def __init__(self, kind: str, depth: int = DEPTH) -> None:
         self._kind = kind
+        self._depth = depth
         super().__init__(
             {
                 "enable": In(1),
                 "clear": In(1),
-                "address": In(range(DEPTH)),
+                "address": In(range(depth)),
                 "i": In(WIDTH),
                 "o": Out(WIDTH),
                 "at_once": Out(WIDTH),
@@ -37,7 +41,7 @@ class Row(wiring.Component):
 
     def elaborate(self, platform: Any) -> Circuit:
         m = Circuit()
-        m.submodules.memory = memory = Memory(shape=WIDTH, depth=DEPTH, init=[])
+        m.submodules.memory = memory = Memory(shape=WIDTH, depth=self._depth, init=[])
         write, read = memory.write_port(), memory.read_port()
         m.d.comb += [
             write.addr.eq(self.address),
@@ -109,6 +113,35 @@ def test_a_register_behind_a_row_moves_into_its_blocks(tmp_path: Path, kind: str
     # the connections that the module knows are those of its JSON
     again = Module(module.json, Cell)
     assert again.driver.keys() == module.driver.keys()
+
+
+@pytest.mark.parametrize(
+    ("depth", "kind", "number"),
+    [(512, "PDPW16KD", 1), (513, "DP16KD", 2), (1024, "DP16KD", 2), (1025, "DP16KD", 3)],
+)
+def test_short_rows_take_wide_blocks_with_their_registers(
+    tmp_path: Path, depth: int, kind: str, number: int
+) -> None:
+    """36, 18 or 9 bits wide: none needs a multiplexer."""
+    module = mapped(Row("", depth), tmp_path)
+    assert [block.kind for block in blocks(module)] == [kind] * number
+    assert len(module.of_kind("LUT4")) == 0
+    assert use_output_registers(module) == WIDTH and not module.of_kind(FLIP_FLOP)
+    (port, *_) = reversed(BLOCK_RAMS[kind])
+    assert {block.json["parameters"][port.mode] for block in blocks(module)} == {"OUTREG"}
+
+
+def test_what_has_too_many_blocks_is_placed_on_a_larger_device() -> None:
+    device = DEVICES["lfe5u-45f"]
+
+    def placed(number: int) -> str:
+        cells = {str(k): {"type": "PDPW16KD" if k % 2 else "DP16KD"} for k in range(number)}
+        netlist = {"modules": {MODULE: {"cells": {**cells, "logic": {"type": "LUT4"}}}}}
+        return large_enough(netlist, device).name
+
+    blocks = [1, device.memory_blocks, device.memory_blocks + 1, 208, 209]
+    # too many for all: nextpnr says so
+    assert list(map(placed, blocks)) == ["lfe5u-45f", "lfe5u-45f", "lfe5u-85f", "lfe5u-85f", "lfe5u-45f"]
 
 
 def test_an_inverted_enable_gets_one_lookup_table(tmp_path: Path) -> None:
