@@ -85,6 +85,8 @@ class CandidateQueue(wiring.Component):
     """
 
     latency = Queue.latency + 2
+    beats = WAITING + 3
+    """Most beats that are here: one waits behind the memory, one is taken, one leaves."""
 
     def __init__(self, build: Build) -> None:
         self._build = build

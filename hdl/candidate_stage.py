@@ -143,7 +143,16 @@ class CandidateStage(wiring.Component):
     @property
     def end_late(self) -> int:
         """Clocks from the first to the last column of what is read for a frame's end."""
-        return self.candidate_ring.interval - 1
+        return self.interval - 1
+
+    @property
+    def interval(self) -> int:
+        """Clocks from one candidate's window to the next, where many wait."""
+        return self.candidate_ring.interval
+
+    def waiting(self, beats: int) -> int:
+        """Most candidates and ends that wait for their windows when so many beats come at once."""
+        return (self.candidate_queue.beats + beats) * (self.peak_mask.most + 1)
 
     @property
     def _submodules(self) -> dict[str, Any]:

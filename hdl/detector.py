@@ -128,23 +128,25 @@ class Detector(wiring.Component):
 
     @property
     def refinement_latency(self) -> int:
-        """Most clocks that a frame's end waits for corners: a full queue, and the refinement.
+        """Most clocks that a frame's end waits for corners: full queues, and the refinement.
 
         Where corners come faster than they are refined up to the last row, those in the rows that
-        ``banked`` buffers still hold come on top.
+        ``banked`` buffers still hold come on top; with several pixels per clock also those that
+        are on their way.
 
         Where cells choose, their last two rows come out, too.
         """
         refinement, selection = self._records.refinement, self._records.cell_selection
         cells = 2 * selection.readout.clocks + selection.insertion.clocks if selection else 0
-        waiting = self._parameters.queue_depth + 1 + refinement.inside
+        waiting = self._parameters.queue_depth + 1 + refinement.inside + self._windows.waiting(0)
         return waiting * self._corner_interval + refinement.latency + cells
 
     @property
     def _corner_interval(self) -> int:
         """Most clocks from one corner to the next, where many wait."""
         interval, selection = self._records.refinement.interval, self._records.cell_selection
-        return max(interval, selection.insertion.clocks) if selection else interval
+        cells = selection.insertion.clocks if selection else 0
+        return max(interval, cells, self._windows.interval)
 
     def frame_latency(self, width: int) -> int:
         """Clocks from a frame's last pixel to its end-of-frame record, for either buffering.
@@ -165,12 +167,14 @@ class Detector(wiring.Component):
         A corner that was found is reported, unless cells choose: then all that wait may be surplus.
         """
         # a buffer that was held up has two rows to read
-        rows = 2 * len(self._lost)
+        rows, lanes = 2 * len(self._lost), self._parameters.pixels_per_clock
         silence = 2 * self.frame_latency(width)
+        judged = self._windows.waiting(self.latency + rows * -(-width // lanes))
         if self._records.cell_selection:
             # of four neighbouring pixels one is a corner at most
-            corners = rows // 2 * -(-width // 2)
+            corners = rows // 2 * -(-width // 2) + judged
             return silence + self.refinement_latency + corners * self._corner_interval
+        silence += judged * self._windows.interval
         return silence + self._records.refinement.latency + self._corner_interval
 
     @property

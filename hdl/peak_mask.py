@@ -59,6 +59,8 @@ class PeakMask(wiring.Component):
         self.rows = 2 * self._radius + 1
         r = self._radius
         self.latency = min(r, 3) + 1 + (r - 1).bit_length() + 2
+        # those of a row are apart by more than the radius
+        self.most = -(-self._lanes // (r + 1))
         self.largest_latency = (self._lanes - 1).bit_length() + 2
         column = responses_shape(parameters)
         super().__init__(

@@ -76,6 +76,8 @@ class WindowStage(wiring.Component):
 
     end_late = 1
     """Clocks from a frame's last window to its end's pending record."""
+    interval = 1
+    """Clocks from one window to the next."""
 
     def __init__(self, parameters: Build) -> None:
         p = parameters
@@ -104,6 +106,11 @@ class WindowStage(wiring.Component):
                 **optional(p.budget, adapted=Out(adapted), adapting=Out(1), history=In(adapted)),
             }
         )
+
+    @staticmethod
+    def waiting(beats: int) -> int:
+        """Candidates that wait for their windows when so many beats come at once: none."""
+        return 0
 
     def _is_behind(self, block: Any) -> bool:
         """Does the block read what the centre rows deliver?"""

@@ -40,7 +40,7 @@ from tests.support.detectors import (
 )
 from tests.support.filters import lenient
 from tests.support.photographs import PHOTOGRAPHS, photograph
-from tests.support.strategies import images, sigma2s, sigmas
+from tests.support.strategies import any_settings, images
 
 mixtures = each(
     "parameters",
@@ -145,29 +145,9 @@ def test_full_hd_at_the_built_maximum(parameters: Parameters) -> None:
 @given(data=st.data())
 @settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 def test_any_images_sizes_and_stalls(parameters: Parameters, data: st.DataObject) -> None:
-    reference = st.sampled_from(["previous", "constant"])
-    limit = parameters.response_max
-    few = st.one_of(st.just(0), st.integers(0, 30))
-    budgets = dict.fromkeys(("max_corners", "target_corners", "reference_rank"), few)
-    budgets["smoothing"] = st.integers(0, 3)
-    cells = {
-        "cell_width": st.integers(parameters.min_cell_width, 128),
-        "cell_height": st.integers(8, 128),
-        "per_cell": st.integers(0, parameters.max_per_cell),
-    }
-    any_settings = st.builds(
-        Settings,
-        sigma1=sigmas(0.5),
-        sigma2=sigma2s(parameters),
-        reference=reference,
-        constant=st.integers(1, limit),
-        floor=st.integers(1, limit // 64),
-        report_rejected=st.booleans(),
-        **(budgets if parameters.budget else {}),
-        **(cells if parameters.max_per_cell else {}),
-    )
     frame = st.tuples(
-        images(parameters.pixel_bits, max_side=64, smallest=parameters.algorithm.support), any_settings
+        images(parameters.pixel_bits, max_side=64, smallest=parameters.algorithm.support),
+        any_settings(parameters),
     )
     frames = data.draw(st.lists(frame, min_size=1, max_size=4))
     chance = st.sampled_from([0.0, 0.1, 0.5, 0.9])

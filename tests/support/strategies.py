@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
-from golden import Parameters
+from golden import Parameters, Settings
 from hdl.build import Build
 
 Image = NDArray[np.unsignedinteger[Any]]
@@ -95,6 +95,29 @@ def sigma2s(parameters: Parameters) -> st.SearchStrategy[float]:
     if parameters.algorithm.texture == "mean":
         return st.just(0.0) | st.floats(0.125, 1.875)
     return sigmas(2) | sigmas(10)
+
+
+def any_settings(parameters: Parameters) -> st.SearchStrategy[Settings]:
+    """Settings of every kind that this detector takes."""
+    few = st.one_of(st.just(0), st.integers(0, 30))
+    budgets = dict.fromkeys(("max_corners", "target_corners", "reference_rank"), few)
+    budgets["smoothing"] = st.integers(0, 3)
+    cells = {
+        "cell_width": st.integers(parameters.min_cell_width, 128),
+        "cell_height": st.integers(8, 128),
+        "per_cell": st.integers(0, parameters.max_per_cell),
+    }
+    return st.builds(
+        Settings,
+        sigma1=sigmas(0.5),
+        sigma2=sigma2s(parameters),
+        reference=st.sampled_from(["previous", "constant"]),
+        constant=st.integers(1, parameters.response_max),
+        floor=st.integers(1, parameters.response_max // 64),
+        report_rejected=st.booleans(),
+        **(budgets if parameters.budget else {}),
+        **(cells if parameters.max_per_cell else {}),
+    )
 
 
 def _possible(chosen: dict[str, Any]) -> dict[str, Any]:

@@ -1,0 +1,118 @@
+# amaranth: UnusedElaboratable=no
+"""Every mixture with several pixels per clock, from responses to records, against golden."""
+
+from __future__ import annotations
+
+from itertools import cycle
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from golden import Settings
+from golden.algorithm import FIT_REACH
+from hdl.build import Build
+from hdl.candidate_stage import CandidateStage
+from hdl.record_stage import RecordStage
+from sim.beats import beat_count
+from sim.frames import Frame
+from sim.stimulus import Stalls
+from tests.support.behind_responses import run
+from tests.support.builds import each
+from tests.support.detectors import MIXTURES, SMALL, both_kinds, noise
+from tests.support.filters import lenient
+from tests.support.strategies import any_settings, images
+
+WITH_LANES = {
+    name: build.changed(**SMALL) for name, build in MIXTURES.items() if not FIT_REACH[build.algorithm.fit]
+} | {
+    "all that can be built": Build.profile(
+        "robust", **SMALL, texture="mean", max_per_cell=4, budget=True, video_out=True
+    ),
+    "10-bit pixels, mean, suppression 3": Build.profile(
+        "paper", **SMALL, texture="mean", suppression=3, pixel_bits=10, max_per_cell=3
+    ),
+    "shortest queues, suppression 4, cells of 8 pixels": Build.profile(
+        "paper",
+        **SMALL,
+        texture="none",
+        suppression=4,
+        ties="first",
+        queue_depth=8,
+        refinement_units=3,
+        video_out=True,
+        max_per_cell=8,
+        min_cell_width=8,
+    ),
+    "single windows of 3x3": Build.profile("paper", **SMALL, texture="none", video_out=True),
+}
+# each number of lanes with different values of the other fields
+BUILDS = {
+    f"{name}, P={lanes}": build.changed(pixels_per_clock=lanes)
+    for (name, build), lanes in zip(WITH_LANES.items(), cycle((4, 8, 2)), strict=False)
+}
+builds = each("build", BUILDS, quick=("all that can be built, P=8",))
+STALLS = {
+    "unstalled": Stalls(),
+    "both": Stalls(inputs=0.3, outputs=0.3, seed=3),
+    "starved": Stalls(inputs=0.9, seed=4),
+    "clogged": Stalls(outputs=0.97, seed=5),
+}
+
+
+def black_and_white(build: Build, values: Any) -> Any:
+    """The smallest and the largest pixel, where these are false and true."""
+    return (values * build.pixel_max).astype(np.uint8 if build.pixel_bits <= 8 else np.uint16)
+
+
+@pytest.mark.parametrize("stalls", STALLS.values(), ids=STALLS)
+@builds
+def test_sizes(build: Build, stalls: Stalls) -> None:
+    """The smallest frames without a pause, and every number of lanes in a row's last beat."""
+    high, wide = build.algorithm.support, build.min_width
+    rest = [(high + 1 + k, wide + 1 + k) for k in range(build.pixels_per_clock)]
+    sizes = [(high, wide), (high, wide), *rest, (high, 64), (40, 61), (high, wide), (high, wide), (64, wide)]
+    run(build, [(noise(*size, k, build), both_kinds(build)) for k, size in enumerate(sizes)], stalls)
+
+
+@pytest.mark.parametrize("stalls", [Stalls(), Stalls(outputs=0.95, seed=1)], ids=["unstalled", "clogged"])
+@builds
+def test_more_candidates_than_can_be_read(build: Build, stalls: Stalls) -> None:
+    """Dots as near to each other as peaks can be, ties in plenty, noise: the samples wait."""
+    everything = Settings.default(build, sigma1=0, sigma2=lenient(build), report_rejected=True)
+    y, x = np.mgrid[:64, :64]
+    grids = [(x % n == 0) & (y % n == 0) for n in range(2, 7)]
+    tosses = [noise(64, 64, seed, build) > build.pixel_max // 2 for seed in range(2)]
+    frames = [(black_and_white(build, values), everything) for values in [*grids, *tosses]]
+    capture = run(build, frames, stalls)
+    assert len(capture.output_clocks["o"]) > 300 or build.algorithm.suppression > 2
+
+
+@builds
+def test_latency(build: Build) -> None:
+    """From a frame's last response to its end, where there is no candidate: what blocks say."""
+    stage, records = CandidateStage(build), RecordStage(build)
+    late = sum(block.latency for block in [*stage.blocks.values(), *records.blocks.values()]) + stage.end_late
+    lanes, lost = build.pixels_per_clock, 2 * build.algorithm.response_margin
+    high, wide = build.algorithm.support, build.min_width
+    # one row of windows each: ends of rows may take longer to read than such narrow rows to come
+    sizes = [(high, wide), (high, wide + 1), (high, 64), (high, 61)]
+    flat = [(black_and_white(build, np.zeros(size)), Settings.default(build)) for size in sizes]
+    capture = run(build, flat)
+    beats = [beat_count(size, build) // size[0] - lost // lanes for size in sizes]
+    ends = np.cumsum([row * (height - lost) for row, (height, _) in zip(beats, sizes, strict=True)])
+    read_out = np.array(beats) - 1 if build.buffering == "banked" else 0
+    got = capture.output_clocks["o"] - capture.input_clocks["samples"][ends - 1]
+    assert got.tolist() == (0 * got + late + read_out).tolist()
+
+
+@builds
+@given(data=st.data())
+@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
+def test_any_images_sizes_and_stalls(build: Build, data: st.DataObject) -> None:
+    image = images(build.pixel_bits, 64, max(build.min_width, build.algorithm.support))
+    frames: list[Frame] = data.draw(st.lists(st.tuples(image, any_settings(build)), min_size=1, max_size=4))
+    chance = st.sampled_from([0.0, 0.1, 0.5, 0.9])
+    run(build, frames, data.draw(st.builds(Stalls, chance, chance, st.integers(0, 1000))))
