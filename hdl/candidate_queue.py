@@ -85,9 +85,6 @@ class CandidateQueue(wiring.Component):
     """
 
     latency = Queue.latency + 2
-    beats = WAITING + 3
-    """Most beats that are here: one waits behind the memory, one is taken, one leaves."""
-
     def __init__(self, build: Build) -> None:
         self._build = build
         super().__init__(
@@ -99,6 +96,11 @@ class CandidateQueue(wiring.Component):
                 "waiting": Out(1),
             }
         )
+
+    @property
+    def beats(self) -> int:
+        """Most beats that are here: one waits behind the memory, one is taken, one leaves."""
+        return self._build.candidate_beats + 3
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
