@@ -85,6 +85,7 @@ class CandidateQueue(wiring.Component):
     """
 
     latency = Queue.latency + 2
+
     def __init__(self, build: Build) -> None:
         self._build = build
         super().__init__(
