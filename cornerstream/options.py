@@ -24,7 +24,6 @@ from golden.options import Option, options
 from hdl.build import Build
 from hdl.edges import Interface, check_core
 from hdl.identifiers import check_name
-from hdl.step_layouts import reads_pixels
 
 _EDGES = ("video_out", "autostart")
 _BUILT = ("budget", "max_per_cell", "min_cell_width")
@@ -271,10 +270,6 @@ def build_from(profile: str, options: dict[str, Any]) -> Build:
         build = Build.profile(profile, **changes)
         if "interface" in options:
             check_core(build, options["interface"])
-    if build.pixels_per_clock > 1 and reads_pixels(build):
-        raise BadInput(
-            f"pixels_per_clock is {build.pixels_per_clock}; allowed with fit {build.algorithm.fit!r}: 1"
-        )
     _refuse_idle_patches(profile, build)
     bare = options.get("interface") == "stream"
     narrowest = build.min_cell_width != Build.profile(profile).min_cell_width

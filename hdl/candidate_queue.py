@@ -15,6 +15,7 @@ from hdl.cell_grid import cell_settings_layout
 from hdl.parts.optional import optional
 from hdl.parts.queue import Queue
 from hdl.peak_mask import mask_layout
+from hdl.step_layouts import reads_pixels
 
 PLACE_BITS = COORDINATE_BITS - OFFSET_BITS
 
@@ -67,8 +68,8 @@ class CandidateQueue(wiring.Component):
     """Places of peaks in raster order, and notes of ends behind them.
 
     Beats that hold a peak, or need a note, wait in a queue. At its output the lanes are taken from
-    the left, one per clock, and then the note. Every frame's end has one; with ``video_out`` every
-    row's, and where cells choose, every row of cells.
+    the left, one per clock, and then the note. Every frame's end has one; with ``video_out`` or
+    gradient steps every row's, and where cells choose, every row of cells.
 
     Members
     -------
@@ -111,7 +112,8 @@ class CandidateQueue(wiring.Component):
         m.d.sync += room.eq(entries.room & ~self.full)
         m.d.comb += [self.i.ready.eq(room), step.eq(self.i.valid & room)]
         starts = self._count(m, step, entry)
-        noted = marks.eol if self._build.video_out else marks.eof
+        every_row = self._build.video_out or reads_pixels(self._build)
+        noted = marks.eol if every_row else marks.eof
         if self._build.max_per_cell:
             noted |= self._cells(m, step, starts, entry)
         m.d.comb += [

@@ -112,6 +112,9 @@ class Selection(wiring.Component):
     counted, strength
         With ``budget`` only: in this clock there is a corner that counts whatever T1 is, and its
         response.
+    picked, row
+        With the gradient step only: in this clock there is a candidate, and the row of pixels that
+        it would have as its place's.
     """
 
     latency = Queue.latency
@@ -120,6 +123,7 @@ class Selection(wiring.Component):
         self._parameters = parameters
         texture, surface = texture_layout(parameters), derivatives_layout(parameters)
         self._filtered = bool(texture.members)
+        self._by_pixels = reads_pixels(parameters)
         flags = optional(parameters.video_out, corner_flags=corner_flag_layout(parameters))
         super().__init__(
             {
@@ -138,6 +142,7 @@ class Selection(wiring.Component):
                     strength=Out(parameters.response_bits),
                 ),
                 **optional(parameters.max_per_cell > 0, cells=In(cell_settings_layout())),
+                **optional(self._by_pixels, picked=Out(1), row=Out(range(2 * rows_kept(parameters)))),
                 **members,
             }
         )
@@ -162,6 +167,29 @@ class Selection(wiring.Component):
         if self._filtered:
             m.d.comb += self.textures.ready.eq(room)
         return step
+
+    def _offer(
+        self, m: Module, candidates: Queue, picked: Value, x: Value, row_ends: Value, frame_ends: Value
+    ) -> None:
+        """A candidate's surface and, with the gradient step, its place among the pixels.
+
+        Its row there is the one a margin above the centre, as the pixel store numbers rows.
+        """
+        candidate = candidates.i.payload
+        m.d.comb += candidates.i.valid.eq(picked)
+        if not self._by_pixels:
+            m.d.comb += candidate.eq(self.surfaces.payload)
+            return
+        row, left_out = Signal.like(self.row), 2 * self._parameters.algorithm.margin
+        with m.If(row_ends):
+            m.d.sync += row.eq(row + Mux(frame_ends, left_out + 1, 1))
+        m.d.comb += [
+            candidate.surface.eq(self.surfaces.payload),
+            candidate.place.x.eq(x),
+            candidate.place.row.eq(row),
+            self.picked.eq(picked),
+            self.row.eq(row),
+        ]
 
     @property
     def _verdict(self) -> _Verdict:
@@ -210,9 +238,6 @@ class CandidateSelection(Selection):
 
     Members
     -------
-    picked, row
-        With the gradient step only: in this clock there is a candidate, and the row of pixels that
-        it would have as its place's.
     largest
         Largest response of the frame so far. From the clock after a frame's last window until the
         next frame's first, it is that of the whole frame.
@@ -223,9 +248,7 @@ class CandidateSelection(Selection):
     """
 
     def __init__(self, parameters: Build) -> None:
-        self._by_pixels = reads_pixels(parameters)
-        members = optional(self._by_pixels, picked=Out(1), row=Out(range(2 * rows_kept(parameters))))
-        super().__init__(parameters, {**members, "largest": Out(parameters.response_bits)})
+        super().__init__(parameters, {"largest": Out(parameters.response_bits)})
 
     def elaborate(self, platform: Any) -> Module:
         m, p = Module(), self._parameters
@@ -253,9 +276,10 @@ class CandidateSelection(Selection):
         picked, closing = Signal(), Signal()
         if p.max_per_cell:
             self._cell(m, step, closing, pending.i.payload.cell)
+        tags = self.corners.payload
+        self._offer(m, candidates, picked, x, step & tags.eol, tags.eof)
         m.d.comb += [
             picked.eq(step & corner.corner & verdict.keep & allowed),
-            candidates.i.valid.eq(picked),
             pending.i.valid.eq(picked | ending | closing),
             pending.i.payload.x.eq(place[0]),
             pending.i.payload.y.eq(place[1]),
@@ -263,27 +287,8 @@ class CandidateSelection(Selection):
             pending.i.payload.textured.eq(verdict.textured),
             pending.i.payload.end.eq(ending),
         ]
-        candidate = candidates.i.payload
-        if self._by_pixels:
-            m.d.comb += [
-                candidate.surface.eq(self.surfaces.payload),
-                candidate.place.x.eq(x),
-                self.picked.eq(picked),
-            ]
-            m.d.comb += candidate.place.row.eq(self._number_rows(m, step))
-        else:
-            m.d.comb += candidate.eq(self.surfaces.payload)
         probe(self, candidates=candidates, pending=pending, room=room, x=x, y=y, ending=ending)
         return m
-
-    def _number_rows(self, m: Module, step: Signal) -> Signal:
-        """The row of pixels a margin above the window's centre, as the pixel store numbers it."""
-        tags, left_out = self.corners.payload, 2 * self._parameters.algorithm.margin
-        row = Signal.like(self.row)
-        with m.If(step & tags.eol):
-            m.d.sync += row.eq(row + Mux(tags.eof, left_out + 1, 1))
-        m.d.comb += self.row.eq(row)
-        return row
 
     def _largest(self, m: Module, step: Signal) -> None:
         first, response = Signal(init=1), self.corners.payload.data.response

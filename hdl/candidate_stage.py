@@ -28,7 +28,7 @@ from hdl.peak_mask import PeakMask
 from hdl.placed_selection import PlacedSelection
 from hdl.sample import responses_shape
 from hdl.smoothed_beats import SMOOTHED_ROWS, SmoothedBeats
-from hdl.step_layouts import reads_pixels
+from hdl.step_layouts import reads_pixels, rows_kept
 from hdl.surface import SurfaceFit
 from hdl.textures import TEXTURES
 from hdl.thresholds import thresholds_layout
@@ -61,8 +61,7 @@ class CandidateStage(wiring.Component):
     Parameters
     ----------
     parameters
-        Parameters of the detector, with two pixels per clock or more. Raises ``ValueError`` for
-        ``fit="gradient"``.
+        Parameters of the detector, with two pixels per clock or more.
 
     Members
     -------
@@ -71,16 +70,12 @@ class CandidateStage(wiring.Component):
     limits
         Stream of ``thresholds_layout(parameters)``. Beats wait for them, and they are taken behind
         a frame's last candidate.
-    candidate, pending, corner_flags, largest, adapted, adapting, history
+    candidate, picked, row, pending, corner_flags, largest, adapted, adapting, history
         As in :class:`hdl.window_stage.WindowStage`.
     """
 
     def __init__(self, parameters: Build) -> None:
         p = parameters
-        if reads_pixels(p):
-            raise ValueError(
-                f"pixels_per_clock is {p.pixels_per_clock}; allowed with fit {p.algorithm.fit!r}: 1"
-            )
         algorithm, size, shape = p.algorithm, p.algorithm.window_size, responses_shape(p)
         reach = RESPONSE_FILTER_REACH[algorithm.response_filter]
         self._halves, self._choosing = p.sums_halves, p.max_per_cell > 0
@@ -112,6 +107,7 @@ class CandidateStage(wiring.Component):
                 "samples": In(stream.Signature(Beat(shape))),
                 "limits": In(stream.Signature(thresholds_layout(p))),
                 "candidate": Out(stream.Signature(candidate_layout(p))),
+                **optional(reads_pixels(p), picked=Out(1), row=Out(range(2 * rows_kept(p)))),
                 "pending": Out(stream.Signature(pending_record_layout(p))),
                 "largest": Out(p.response_bits),
                 **optional(p.video_out, corner_flags=Out(stream.Signature(corner_flag_layout(p)))),
@@ -179,7 +175,8 @@ class CandidateStage(wiring.Component):
         self._search(m)
         self._judge(m)
         selection, limits = self.selection, self.limits
-        connect_by_name(m, wiring.flipped(self), selection, names={"candidate", "pending", "corner_flags"})
+        reported = {"candidate", "picked", "row", "pending", "corner_flags"}
+        connect_by_name(m, wiring.flipped(self), selection, names=reported)
         m.d.comb += [
             self.largest.eq(self.peak_mask.largest),
             selection.largest.eq(self.peak_mask.largest),

@@ -5,19 +5,25 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Array, Cat, Module, Mux, Signal, unsigned
+from amaranth.hdl import Array, Cat, Module, Mux, Signal, Value, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Member, Out
 
-from golden.parameters import Parameters
+from hdl.build import Build
+from hdl.parts.lanes import each_lane, lane_name, lanes_of
 from hdl.parts.probes import probe
 from hdl.parts.stream import Beat
+from hdl.sample import pixels_shape
+from hdl.step_layouts import columns_read
 
 BANKS = 4
 """Rows that can be read at once: row r lies in bank r modulo 4."""
 PART = 2
-"""Bits of a memory: a block RAM holds more words of two bits, and none has to be chosen from."""
+"""Bits of a memory: a block RAM holds more words of two bits, and none has to be chosen from.
+
+With several pixels per clock there are as many times fewer words, and as many times more bits.
+"""
 
 
 class PixelStore(wiring.Component):
@@ -25,21 +31,25 @@ class PixelStore(wiring.Component):
 
     Rows are numbered through all frames, modulo twice the rows that are kept, so that it can be
     told which of two numbers is the older. A row takes the place of one so many rows before. Its
-    first pixel waits until that one is not needed any more; no other pixel ever waits.
+    first beat waits until that one is not needed any more; no other beat ever waits.
 
-    The banks' addresses put the row below the column, so that neither has to be multiplied.
+    Each lane of a beat has banks of its own, so that neighbouring columns are read at once,
+    wherever the first of them lies: column x is in lane x modulo P, the lanes to the left of the
+    first column's have the columns of the next beat.
+
+    The banks' addresses put the row below the beat, so that neither has to be multiplied.
 
     Parameters
     ----------
-    parameters
-        Parameters of the detector; ``pixel_bits`` and ``max_width`` matter.
+    build
+        Parameters of the detector; ``pixel_bits``, ``max_width`` and ``pixels_per_clock`` matter.
     rows
         Rows that are kept, a power of two from 8.
 
     Members
     -------
     i, o
-        Streams of ``Beat(unsigned(pixel_bits))``, in the same clock.
+        Streams of ``Beat(pixels_shape(build))``, in the same clock.
     needed
         Number of the oldest row that is still needed, never more than one ahead of the last row
         that was passed on.
@@ -48,27 +58,28 @@ class PixelStore(wiring.Component):
     place
         Row and column of the topmost pixel that is read.
     column
-        That pixel and the three below it, ``read_latency`` such clocks later.
+        That pixel and the three below it, and as many in each of the columns behind it that
+        :func:`hdl.step_layouts.columns_read` tells; ``read_latency`` such clocks later.
     """
 
     latency = 0
-    read_latency = 3
 
-    def __init__(self, parameters: Parameters, rows: int) -> None:
-        self._rows = rows
-        self._max_width = parameters.max_width
-        self._pixel = pixel = unsigned(parameters.pixel_bits)
+    def __init__(self, build: Build, rows: int) -> None:
+        self._build, self._rows = build, rows
+        self.read_latency = read_latency(build)
+        beat = Beat(pixels_shape(build))
         super().__init__(
             {
-                "i": In(stream.Signature(Beat(pixel))),
-                "o": Out(stream.Signature(Beat(pixel))),
-                **store_members(parameters, rows),
+                "i": In(stream.Signature(beat)),
+                "o": Out(stream.Signature(beat)),
+                **store_members(build, rows),
             }
         )
 
     @property
     def memory_bits(self) -> int:
-        return self._rows * self._max_width * self._pixel.width
+        build = self._build
+        return self._rows * build.beats * build.pixels_per_clock * build.pixel_bits
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -79,7 +90,7 @@ class PixelStore(wiring.Component):
             self.i.ready.eq(self.o.ready & ~waiting),
             self.o.payload.eq(self.i.payload),
         ]
-        row, x = Signal(range(2 * self._rows)), Signal(range(self._max_width))
+        row, x = Signal(range(2 * self._rows)), Signal(range(self._build.beats))
         # a clock late, which is known well before the row ends
         occupied, ended = Signal(), Signal()
         following = (row + 1)[: len(row)]
@@ -91,60 +102,96 @@ class PixelStore(wiring.Component):
             m.d.sync += row.eq(following)
         with m.If(ended | waiting):
             m.d.sync += waiting.eq(occupied)
-        self._banks(m, row, x, step)
+        m.d.comb += self.column.eq(self._read(m, self._banks(m, row, x, step)))
         probe(self, row=row, x=x, waiting=waiting, occupied=occupied)
         return m
 
-    def _banks(self, m: Module, row: Signal, x: Signal, step: Any) -> None:
-        slot_bits = (self._rows // BANKS - 1).bit_length()
-        slot = row[2 : 2 + slot_bits]
-        top, read_out = self.place.row, []
+    def _banks(self, m: Module, row: Signal, x: Signal, step: Value) -> list[list[Signal]]:
+        """What each bank holds of each lane, one clock behind the memories."""
+        lanes, slots = self._build.pixels_per_clock, self._rows // BANKS
+        slot_bits, lane_bits = (slots - 1).bit_length(), (lanes - 1).bit_length()
+        slot, top = row[2 : 2 + slot_bits], self.place.row
+        word, first = self.place.x[lane_bits:], self.place.x[:lane_bits]
+        # the last lane is never to the left of the first column's
+        words = [*((word + (first > lane))[: len(word)] for lane in range(lanes - 1)), word]
+        size = min(PART * lanes, self._build.pixel_bits)
+        banks = []
         for number in range(BANKS):
-            kept = Signal(self._pixel, name=f"kept_{number}", reset_less=True)
             # below the topmost row, banks of smaller numbers hold the rows after the next multiple
             # of four
             later = top[:2] > number
-            data = []
-            for low in range(0, self._pixel.width, PART):
-                part = self.i.payload.data[low : low + PART]
-                m.submodules[f"bank_{number}_{low}"] = memory = Memory(
-                    shape=len(part),
-                    depth=self._max_width * self._rows // BANKS,
-                    init=[],
-                    attrs={"ram_style": "block"},
-                )
-                writing, reading = memory.write_port(), memory.read_port()
-                m.d.comb += [
-                    writing.addr.eq(Cat(slot, x)),
-                    writing.data.eq(part),
-                    writing.en.eq(step & (row[:2] == number)),
-                    reading.addr.eq(Cat((top[2:] + later)[:slot_bits], self.place.x)),
-                    reading.en.eq(self.reading),
-                ]
-                data.append(reading.data)
+            bank = []
+            for lane, pixel in enumerate(each_lane(self.i.payload.data, lanes)):
+                kept = Signal(len(pixel), name=lane_name(f"kept_{number}", lane, lanes), reset_less=True)
+                data = []
+                for low in range(0, len(pixel), size):
+                    part = pixel[low : low + size]
+                    name = lane_name(f"bank_{number}_{low}", lane, lanes)
+                    m.submodules[name] = memory = Memory(
+                        shape=len(part),
+                        depth=self._build.beats * slots,
+                        init=[],
+                        attrs={"ram_style": "block"},
+                    )
+                    writing, reading = memory.write_port(), memory.read_port()
+                    m.d.comb += [
+                        writing.addr.eq(Cat(slot, x)),
+                        writing.data.eq(part),
+                        writing.en.eq(step & (row[:2] == number)),
+                        reading.addr.eq(Cat((top[2:] + later)[:slot_bits], words[lane])),
+                        reading.en.eq(self.reading),
+                    ]
+                    data.append(reading.data)
+                with m.If(self.reading):
+                    m.d.sync += kept.eq(Cat(data))
+                bank.append(kept)
+            banks.append(bank)
+        return banks
+
+    def _read(self, m: Module, banks: list[list[Signal]]) -> Value:
+        """The columns in their order, then the rows in theirs."""
+        lanes, columns = self._build.pixels_per_clock, columns_read(self._build)
+        lane_bits = (lanes - 1).bit_length()
+
+        def later(value: Value, name: str) -> Signal:
+            register = Signal(value.shape(), name=name, reset_less=True)
             with m.If(self.reading):
-                m.d.sync += kept.eq(Cat(data))
-            read_out.append(kept)
-        first = top[:2]
+                m.d.sync += register.eq(value)
+            return register
+
+        row, lane = self.place.row[:2], self.place.x[:lane_bits]
         for k in range(2):
-            later_first = Signal(range(BANKS), name=f"first_{k}", reset_less=True)
-            with m.If(self.reading):
-                m.d.sync += later_first.eq(first)
-            first = later_first
-        with m.If(self.reading):
-            m.d.sync += [self.column[k].eq(Array(read_out)[(first + k)[:2]]) for k in range(BANKS)]
+            row, lane = later(row, f"first_{k}"), later(lane, f"first_lane_{k}")
+        rows: list[Any] = [bank[0] for bank in banks]
+        if lanes > 1:
+            rows = [
+                later(Cat(Array(bank)[(lane + k)[:lane_bits]] for k in range(columns)), f"picked_{number}")
+                for number, bank in enumerate(banks)
+            ]
+            row = later(row, "first_2")
+        return Cat(later(Array(rows)[(row + k)[:2]], f"column_{k}") for k in range(BANKS))
 
 
-def store_members(parameters: Parameters, rows: int) -> dict[str, Member]:
+def read_latency(build: Build) -> int:
+    """Clocks from a place to what is read there: one more where lanes have to be put in order."""
+    return 3 if build.pixels_per_clock == 1 else 4
+
+
+def store_members(build: Build, rows: int) -> dict[str, Member]:
     """Members of the store beside its streams, as it sees them."""
     return {
         "needed": In(range(2 * rows)),
         "reading": In(1),
-        "place": In(place_layout(parameters, rows)),
-        "column": Out(data.ArrayLayout(unsigned(parameters.pixel_bits), BANKS)),
+        "place": In(place_layout(build, rows)),
+        "column": Out(column_layout(build)),
     }
 
 
-def place_layout(parameters: Parameters, rows: int) -> data.StructLayout:
+def column_layout(build: Build) -> data.ArrayLayout:
+    """Four rows of the columns that are read at once: a pixel each, or an array of pixels."""
+    return data.ArrayLayout(lanes_of(unsigned(build.pixel_bits), columns_read(build)), BANKS)
+
+
+def place_layout(build: Build, rows: int) -> data.StructLayout:
     """A row by its place in the store, and a column."""
-    return data.StructLayout({"row": range(rows), "x": range(parameters.max_width)})
+    return data.StructLayout({"row": range(rows), "x": range(build.max_width)})

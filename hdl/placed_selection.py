@@ -51,10 +51,10 @@ class PlacedSelection(Selection):
         m.d.sync += room.eq(candidates.room & pending.room & flags_room)
         record = pending.i.payload
         closing = self._cell(m, step, record.cell) if p.max_per_cell else C(0)
+        # with the gradient step there is a note of every row
+        self._offer(m, candidates, picked, place.x, step & place.note, place.end)
         m.d.comb += [
             picked.eq(step & self.corners.payload.data.corner & verdict.keep & allowed),
-            candidates.i.valid.eq(picked),
-            candidates.i.payload.eq(self.surfaces.payload),
             pending.i.valid.eq(picked | ending | closing),
             record.x.eq(x),
             record.y.eq(y),

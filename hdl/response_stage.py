@@ -53,18 +53,11 @@ class ResponseStage(wiring.Component):
         As in :class:`hdl.thresholds.Thresholds`; the last two with ``budget`` only.
     needed, reading, place, column
         With the gradient step only: as in :class:`hdl.pixel_store.PixelStore`.
-
-    Raises
-    ------
-    ValueError
-        Several pixels per clock with a gradient step.
     """
 
     def __init__(self, parameters: Build) -> None:
         self._parameters = p = parameters
         pixels, samples = pixels_shape(p), responses_shape(p)
-        if reads_pixels(p) and p.pixels_per_clock > 1:
-            raise ValueError(f"pixels_per_clock is {p.pixels_per_clock}; allowed with gradient steps: 1")
         self.frame_control = FrameControl(p)
         self._filters: dict[str, Any] = {}
         for k in range(p.algorithm.pixel_passes):

@@ -34,6 +34,11 @@ def rows_kept(build: Build) -> int:
     return 1 << needed.bit_length()
 
 
+def columns_read(build: Build) -> int:
+    """Neighbouring columns of pixels that are read at once."""
+    return 1
+
+
 def pixel_place_layout(build: Build) -> data.StructLayout:
     """Where in the pixel store a candidate lies.
 

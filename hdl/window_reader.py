@@ -5,15 +5,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Cat, Module, Mux, Signal, Value, signed, unsigned
-from amaranth.lib import data, stream, wiring
+from amaranth.hdl import C, Cat, Module, Mux, Signal, Value, signed
+from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.formats import OFFSET_BITS
 from golden.normal_equations import FARTHEST, PLACE_BITS, STEP_SIZE
 from hdl.build import Build
 from hdl.normal_equations import COLUMNS, LANES, PASSES, PAUSE, window_layout
-from hdl.pixel_store import BANKS, PixelStore, place_layout
+from hdl.pixel_store import column_layout, place_layout, read_latency
 from hdl.step_layouts import CENTRE_BITS, rows_kept, step_layout, under_way_layout
 
 _REACH = STEP_SIZE // 2 + 1
@@ -54,7 +54,7 @@ class WindowReader(wiring.Component):
                 "read": Out(1),
                 "reading": Out(1),
                 "place": Out(place_layout(build, rows_kept(build))),
-                "column": In(data.ArrayLayout(unsigned(build.pixel_bits), BANKS)),
+                "column": In(column_layout(build)),
                 "o": Out(stream.Signature(window_layout(build))),
             }
         )
@@ -103,7 +103,7 @@ class WindowReader(wiring.Component):
         complete = running & (column >= 2)
         tags = Cat(complete, column == 2, complete & right, complete & (number == 0), complete & bottom)
         beat = Cat(running, tags)
-        for k in range(PixelStore.read_latency):
+        for k in range(read_latency(self._build)):
             later = Signal(len(beat), name=f"tags_{k + 1}")
             with m.If(advance):
                 m.d.sync += later.eq(beat)
