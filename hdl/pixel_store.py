@@ -25,6 +25,9 @@ PART = 2
 With several pixels per clock there are as many times fewer words, and as many times more bits.
 """
 
+_BANKS_LATENCY = 2
+"""A memory's own register, and one behind it."""
+
 
 class PixelStore(wiring.Component):
     """Passes pixels on, and keeps the last rows of them.
@@ -122,7 +125,6 @@ class PixelStore(wiring.Component):
             later = top[:2] > number
             bank = []
             for lane, pixel in enumerate(each_lane(self.i.payload.data, lanes)):
-                kept = Signal(len(pixel), name=lane_name(f"kept_{number}", lane, lanes), reset_less=True)
                 data = []
                 for low in range(0, len(pixel), size):
                     part = pixel[low : low + size]
@@ -142,39 +144,41 @@ class PixelStore(wiring.Component):
                         reading.en.eq(self.reading),
                     ]
                     data.append(reading.data)
-                with m.If(self.reading):
-                    m.d.sync += kept.eq(Cat(data))
-                bank.append(kept)
+                bank.append(self._later(m, Cat(data), lane_name(f"kept_{number}", lane, lanes)))
             banks.append(bank)
         return banks
 
     def _read(self, m: Module, banks: list[list[Signal]]) -> Value:
         """The columns in their order, then the rows in theirs."""
-        lanes, columns = self._build.pixels_per_clock, columns_read(self._build)
-        lane_bits = (lanes - 1).bit_length()
+        row, rows = self.place.row[:2], [bank[0] for bank in banks]
+        for k in range(_BANKS_LATENCY):
+            row = self._later(m, row, f"first_{k}")
+        if self._build.pixels_per_clock > 1:
+            row, rows = self._later(m, row, "first"), self._put_in_order(m, banks)
+        return self._later(m, Cat(Array(rows)[(row + k)[:2]] for k in range(BANKS)), "ordered")
 
-        def later(value: Value, name: str) -> Signal:
-            register = Signal(value.shape(), name=name, reset_less=True)
-            with m.If(self.reading):
-                m.d.sync += register.eq(value)
-            return register
+    def _put_in_order(self, m: Module, banks: list[list[Signal]]) -> list[Signal]:
+        """The columns of each bank from the first one that is read, a clock later."""
+        lane_bits = (self._build.pixels_per_clock - 1).bit_length()
+        first: Value = self.place.x[:lane_bits]
+        for k in range(_BANKS_LATENCY):
+            first = self._later(m, first, f"first_lane_{k}")
+        columns = range(columns_read(self._build))
+        return [
+            self._later(m, Cat(Array(bank)[(first + k)[:lane_bits]] for k in columns), f"ordered_{number}")
+            for number, bank in enumerate(banks)
+        ]
 
-        row, lane = self.place.row[:2], self.place.x[:lane_bits]
-        for k in range(2):
-            row, lane = later(row, f"first_{k}"), later(lane, f"first_lane_{k}")
-        rows: list[Any] = [bank[0] for bank in banks]
-        if lanes > 1:
-            rows = [
-                later(Cat(Array(bank)[(lane + k)[:lane_bits]] for k in range(columns)), f"picked_{number}")
-                for number, bank in enumerate(banks)
-            ]
-            row = later(row, "first_2")
-        return Cat(later(Array(rows)[(row + k)[:2]], f"column_{k}") for k in range(BANKS))
+    def _later(self, m: Module, value: Value, name: str) -> Signal:
+        register = Signal(value.shape(), name=name, reset_less=True)
+        with m.If(self.reading):
+            m.d.sync += register.eq(value)
+        return register
 
 
 def read_latency(build: Build) -> int:
     """Clocks from a place to what is read there: one more where lanes have to be put in order."""
-    return 3 if build.pixels_per_clock == 1 else 4
+    return _BANKS_LATENCY + (1 if build.pixels_per_clock == 1 else 2)
 
 
 def store_members(build: Build, rows: int) -> dict[str, Member]:

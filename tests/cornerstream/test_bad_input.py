@@ -161,17 +161,6 @@ def test_distance(folder: Path, value: str) -> None:
     assert listing(folder) == before
 
 
-@pytest.mark.parametrize("command", ["simulate", "verilog", "package", "synth"])
-def test_gradient_step_takes_one_pixel_per_clock(folder: Path, command: str) -> None:
-    before = listing(folder)
-    image = ["good.png"] if command == "simulate" else []
-    check(
-        run(command, *image, "--profile", "precise", "--pixels-per-clock", "4"),
-        "pixels_per_clock is 4; allowed with fit 'gradient': 1",
-    )
-    assert listing(folder) == before
-
-
 @pytest.mark.parametrize(
     ("profiles", "lanes", "least"),
     [

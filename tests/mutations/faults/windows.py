@@ -84,8 +84,8 @@ WINDOWS = {
     ),
     "banks are read in the order of their numbers": Mutation(
         "hdl/pixel_store.py",
-        "Array(read_out)[(first + k)[:2]]",
-        "Array(read_out)[k]",
+        "Array(rows)[(row + k)[:2]]",
+        "Array(rows)[k]",
         "tests/hdl/test_pixel_store.py",
         "reads",
     ),
