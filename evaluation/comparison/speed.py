@@ -245,12 +245,13 @@ def lane_rates(repeats: int = 3, notify: Notify | None = None) -> list[LaneRate]
     tests = []
     for lanes in PIXELS_PER_CLOCK:
         build = Build.profile("robust", pixels_per_clock=lanes)
-        say(f"{lanes} pixel{'s' * (lanes > 1)} per clock")
         tests.append(_EngineUnderTest(make_engine("compiled", Detector(build), notify=notify), image, build))
-    turns = []
+    turns: list[list[float]] = []
     for turn in range(repeats):
-        say(f"simulating, turn {turn + 1} of {repeats}")
-        turns.append([test.run() for test in tests])
+        turns.append([])
+        for lanes, test in zip(PIXELS_PER_CLOCK, tests, strict=True):
+            say(f"simulating {lanes} pixel{'s' * (lanes > 1)} per clock, turn {turn + 1} of {repeats}")
+            turns[-1].append(test.run())
     return [
         LaneRate(
             pixels_per_clock=lanes,
