@@ -1,19 +1,156 @@
-"""Whole detectors with several pixels per clock: the records are golden's."""
+# amaranth: UnusedElaboratable=no
+"""Whole detectors with several pixels per clock: every record, every clock.
+
+Mixtures are tested without the way from pixels to responses, see ``test_lane_mixtures``, and that
+way without what comes behind it, see ``test_response_stage_lanes``.
+"""
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from golden import Settings, StreamModel
 from hdl.build import Build
+from hdl.detector import Detector
+from sim.beats import beat_count
+from sim.frames import Frame
 from sim.stimulus import Stalls
-from tests.support.detectors import SMALL, both_kinds, noise, run
+from tests.support.builds import each
+from tests.support.detectors import both_kinds, noise, run, run_with_reset
+from tests.support.filters import lenient
+from tests.support.photographs import PHOTOGRAPHS, photograph
+from tests.support.strategies import any_settings, images
+
+SIZE = {"max_width": 640, "max_height": 672}
+BUILDS = {
+    "robust, P=2": Build.profile("robust", **SIZE, pixels_per_clock=2),
+    "paper, P=4": Build.profile("paper", **SIZE, pixels_per_clock=4),
+    "paper lean, P=8": Build.profile("paper", **SIZE, buffering="lean", pixels_per_clock=8),
+    "robust banked, P=8": Build.profile("robust", **SIZE, buffering="banked", pixels_per_clock=8),
+}
+builds = each("build", BUILDS, quick=("robust, P=2",))
+STALLS = {
+    "none": Stalls(),
+    "both": Stalls(inputs=0.3, outputs=0.3, seed=3),
+    "starved": Stalls(inputs=0.9, seed=4),
+    "clogged": Stalls(outputs=0.97, seed=5),
+}
+stalling = pytest.mark.parametrize("stalls", STALLS.values(), ids=STALLS)
 
 
-@pytest.mark.parametrize("stalls", [None, Stalls(0.3, 0.4, 3)], ids=["unstalled", "both-stall"])
-@pytest.mark.parametrize(("profile", "lanes"), [("robust", 4), ("paper", 2)])
-def test_noise(profile: str, lanes: int, stalls: Stalls | None) -> None:
-    """Frames back to back, whose last beats hold different numbers of columns."""
-    build = Build.profile(profile, **SMALL, buffering="lean", pixels_per_clock=lanes)
-    sizes = [(40, 61), (30, 64), (build.algorithm.support, build.min_width), (33, 47)]
+def everything(build: Build) -> Settings:
+    """The most corners that there can be."""
+    return Settings.default(build, sigma1=0, sigma2=lenient(build), report_rejected=True)
+
+
+def clocks_of(build: Build, frames: list[Frame]) -> list[int]:
+    """Clocks of frames that never wait: as many as they have beats."""
+    return [beat_count(image.shape, build) for image, _ in frames]
+
+
+@each("name", {name: name for name in PHOTOGRAPHS}, quick=("camera", "grass", "cell"))
+@builds
+def test_photographs(build: Build, name: str) -> None:
+    """At the default thresholds and with every corner refined; widths of all remainders."""
+    image = photograph(name)
+    widths = [image.shape[1] - k % build.pixels_per_clock for k in range(3)]
+    chosen = [Settings.default(build), everything(build), both_kinds(build)]
+    frames: list[Frame] = [(image[:, :width], each) for width, each in zip(widths, chosen, strict=True)]
+    result = run(build, frames)
+    assert [frame.clocks for frame in result.frames] == clocks_of(build, frames)
+    detector = Detector(build)
+    for frame, width in zip(result.frames, widths, strict=True):
+        late = frame.end_of_frame - frame.last_pixel - detector.frame_latency(width)
+        assert 0 <= late <= detector.refinement_latency
+
+
+@stalling
+@builds
+def test_photograph_under_stalls(build: Build, stalls: Stalls) -> None:
+    image = photograph("camera")[100:301, 150:453]
+    run(build, [(image, Settings.default(build)), (image, both_kinds(build))], stalls)
+
+
+@stalling
+@builds
+def test_sizes(build: Build, stalls: Stalls) -> None:
+    """The smallest frames without a pause, and every number of lanes in a row's last beat."""
+    high, wide = build.algorithm.support, build.min_width
+    rest = [(high + 1 + k, wide + 1 + k) for k in range(build.pixels_per_clock)]
+    sizes = [(high, wide), (high, wide), *rest, (high, 512), (40, 61), (high, wide), (64, wide)]
+    run(build, [(noise(*size, k, build), both_kinds(build)) for k, size in enumerate(sizes)], stalls)
+
+
+@builds
+def test_latency_without_corners(build: Build) -> None:
+    least = (build.algorithm.support, build.min_width)
+    for size in (least, (33, 47), (20, 64), (64, least[1] + 1), (20, 512)):
+        result = run(build, [(np.zeros(size, np.uint8), Settings.default(build))] * 3)
+        late = [frame.end_of_frame - frame.last_pixel for frame in result.frames]
+        assert late == [Detector(build).frame_latency(size[1])] * 3
+
+
+@builds
+def test_full_rate(build: Build) -> None:
+    """Back-to-back frames of one size never wait, be it for their thresholds."""
+    for size in ((build.algorithm.support + 1, 64), (20, 512), (64, 61)):
+        frames = [(noise(*size, seed, build), Settings.default(build)) for seed in range(5)]
+        assert [frame.clocks for frame in run(build, frames).frames] == clocks_of(build, frames)
+
+
+@builds
+def test_a_change_of_size_costs_at_most_the_push(build: Build) -> None:
+    """A frame waits for the rows of a wider one; the smallest ones, for the settings before."""
+    least = (build.algorithm.support, build.min_width)
+    sizes = [(24, 64), (20, 512), (24, 64), (512, least[1] + 3), (20, 509), (24, 64)]
     frames = [(noise(*size, k, build), both_kinds(build)) for k, size in enumerate(sizes)]
-    run(build, frames, stalls)
+    result = run(build, frames)
+    push = 2 * 512 // build.pixels_per_clock if build.buffering == "banked" else 0
+    for frame, beats in zip(result.frames, clocks_of(build, frames), strict=True):
+        assert beats <= frame.clocks <= beats + push
+
+
+def test_corners_on_the_last_possible_pixels() -> None:
+    """Nearest to a frame's end that a candidate can come, in every lane of a row's last beat."""
+    build = BUILDS["robust, P=2"]
+    margin = build.algorithm.margin
+    for width in (16, 17):
+        image = [noise(2 * margin + 2, width, seed, build) for seed in range(400)]
+        result = run(build, [(each, Settings.default(build, sigma1=0, sigma2=0)) for each in image])
+        last_rows = [records_in_row(frame.records, margin + 1) for frame in result.frames]
+        columns = {column for row in last_rows for column in row}
+        assert {width - 1 - margin, width - 2 - margin} <= columns
+
+
+def records_in_row(records: Any, row: int) -> list[int]:
+    """Nearest pixel columns of the corners in a row."""
+    places = records[:-1] & np.uint64((1 << 40) - 1)
+    x, y = (np.round((part & np.uint64(0xFFFFF)) / 128) for part in (places, places >> np.uint64(20)))
+    return [int(column) for column in x[y == row]]
+
+
+@builds
+@given(data=st.data())
+@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
+def test_any_images_sizes_and_stalls(build: Build, data: st.DataObject) -> None:
+    image = images(build.pixel_bits, 64, max(build.min_width, build.algorithm.support))
+    frames: list[Frame] = data.draw(st.lists(st.tuples(image, any_settings(build)), min_size=1, max_size=4))
+    chance = st.sampled_from([0.0, 0.1, 0.5, 0.9])
+    run(build, frames, data.draw(st.builds(Stalls, chance, chance, st.integers(0, 1000))))
+
+
+@builds
+@given(data=st.data(), seed=st.integers(0, 99))
+@settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow])
+def test_reset_in_mid_frame(build: Build, data: st.DataObject, seed: int) -> None:
+    """After a reset anywhere the next frames are as after power-on."""
+    sizes = [(30, 41), (20, 27), (25, 26)]
+    broken, *frames = [(noise(*size, seed + k, build), both_kinds(build)) for k, size in enumerate(sizes)]
+    cut = data.draw(st.integers(1, beat_count(sizes[0], build) - 1))
+    before = run_with_reset(build, broken, frames, cut, seed)
+    assert np.array_equal(before, StreamModel(build).process(*broken).records[: len(before)])
