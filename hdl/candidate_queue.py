@@ -13,6 +13,7 @@ from hdl.build import Build
 from hdl.cell_beats import CellBeats
 from hdl.cell_grid import cell_settings_layout
 from hdl.parts.optional import optional
+from hdl.parts.probes import probe
 from hdl.parts.queue import Queue
 from hdl.peak_mask import mask_layout
 from hdl.step_layouts import reads_pixels
@@ -111,6 +112,7 @@ class CandidateQueue(wiring.Component):
         marks, entry = self.i.payload, entries.i.payload
         m.d.sync += room.eq(entries.room & ~self.full)
         m.d.comb += [self.i.ready.eq(room), step.eq(self.i.valid & room)]
+        probe(self, room=room, given=entry)
         starts = self._count(m, step, entry)
         every_row = self._build.video_out or reads_pixels(self._build)
         noted = marks.eol if every_row else marks.eof
@@ -195,3 +197,4 @@ class CandidateQueue(wiring.Component):
                 left.eq(Mux(entries.o.valid, Cat(waiting.mask, waiting.note), 0)),
                 entry.eq(waiting),
             ]
+        probe(self, entries=entries, entry=entry, left=left)

@@ -13,6 +13,7 @@ from amaranth.lib.wiring import In, Out
 from hdl.build import Build
 from hdl.candidate_queue import place_layout, request_layout
 from hdl.parts.lanes import each_lane, lanes_of
+from hdl.parts.probes import probe
 from hdl.parts.stream import Columns
 from hdl.sample import response_layout, responses_shape
 
@@ -124,6 +125,7 @@ class CandidateRing(wiring.Component):
         with m.If(advance & running & is_last):
             m.d.sync += self.place.eq(now)
         self._guard(m, running, column)
+        probe(self, running=running, count=count, column=column)
         m.d.comb += Value.cast(self.o.payload.data).eq(self._read(m, advance, column))
         tags = Cat(running, running & is_last, running & is_last & now.end)
         for k in range(self.latency - 1):
@@ -158,6 +160,7 @@ class CandidateRing(wiring.Component):
         with m.Elif(~running & ~self.waiting):
             m.d.sync += self.full.eq(0)
         self.written = written
+        probe(self, written=written, age=age, was_running=was_running)
 
     def _read(self, m: Module, advance: Value, column: Signal) -> Value:
         """The column, or two of them side by side in each row."""
