@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Beats of peaks become candidates one by one, with their places; none is lost where it is full."""
+"""Beats of peaks become candidates one by one, with their places, however full the queue is."""
 
 from __future__ import annotations
 
@@ -7,66 +7,67 @@ import numpy as np
 import pytest
 
 from hdl.build import Build
-from hdl.candidate_queue import CandidateQueue, place_layout, request_layout
-from sim.stimulus import Stalls
-from tests.support.blocks import NO_STALLS, Array, engine, run, same, tags, unpack
-from tests.support.blocks import pack as pack_fields
+from hdl.candidate_queue import CandidateQueue
+from sim.stimulus import Stalls, Stimulus
+from tests.support.blocks import NO_STALLS, Array, engine, pack, tags, unpack
 
-STALLS = {"unstalled": NO_STALLS, "both-stall": Stalls(0.3, 0.4, 13), "clogged": Stalls(0, 0.9, 15)}
-BUILDS = {
-    "paper": Build.profile("paper"),
-    "rows noted": Build.profile("robust", video_out=True),
-}
+STALLS = {"unstalled": NO_STALLS, "both-stall": Stalls(0.3, 0.4, 13), "clogged": Stalls(0, 0.8, 15)}
+BUILDS = {"paper": Build.profile("paper"), "rows noted": Build.profile("robust", video_out=True)}
+Candidates = list[tuple[int, int, int, int, int]]
 
 
-def masks_of(height: int, width: int, build: Build, seed: int) -> Array:
-    """Rows of windows of a frame, (rows, columns): peaks, of which no two are neighbours."""
-    margin = build.algorithm.margin
-    found = np.random.default_rng(seed).random((height - 2 * margin, width)) < 0.4
-    found[:, : 2 * margin] = False
+def peaks_of(rows: int, width: int, margin: int, seed: int) -> Array:
+    """By rows of windows and their newest columns: no two neighbours, some rows without any."""
+    found = np.random.default_rng(seed).random((rows, width)) < 0.4
+    found[:, : 2 * margin] = found[1::3] = False
     found[:, 1:] &= ~found[:, :-1]
     return found
+
+
+def candidates_of(peaks: Array, build: Build, before: int) -> tuple[Candidates, int]:
+    """Newest column in the ring, x, y, note and end of each; beats written so far, and then."""
+    lanes, margin = build.pixels_per_clock, build.algorithm.margin
+    first = 2 * build.algorithm.response_margin // lanes
+    found: Candidates = []
+    for row, columns in enumerate(peaks):
+        y, last = row + margin, row == len(peaks) - 1
+        offset = (before - first) * lanes
+        found += [(offset + int(x), int(x) - margin, y, 0, 0) for x in np.flatnonzero(columns)]
+        before += -(-len(columns) // lanes) - first
+        if last or build.video_out:
+            # the place of a note in its row means nothing
+            found.append((0, 0, y, 1, int(last)))
+    return found, before
 
 
 @pytest.mark.parametrize("stalls", STALLS.values(), ids=STALLS)
 @pytest.mark.parametrize("lanes", [2, 4, 8])
 @pytest.mark.parametrize("kind", BUILDS)
 def test_places(kind: str, lanes: int, stalls: Stalls) -> None:
-    """Frames back to back that end in every lane; peaks are so dense that the queue is full."""
+    """Frames back to back that end in every lane."""
     build = BUILDS[kind].changed(pixels_per_clock=lanes)
     margin, first = build.algorithm.margin, 2 * build.algorithm.response_margin // lanes
-    sizes = [(2 * margin + 3, build.min_width + k) for k in range(lanes)] + [(2 * margin + 2, 90)]
-    masks: list[Array] = []
-    expected: dict[str, list[int]] = {name: [] for name in ("x", "y", "note", "end", "beat", "lane")}
-    rows, written = [], 0
-    for seed, (height, width) in enumerate(sizes):
-        found = masks_of(height, width, build, seed)
-        padded = np.pad(found, ((0, 0), (0, -width % lanes)))[:, first * lanes :]
-        by_beat = padded.reshape(len(padded), -1, lanes)
-        rows.append(by_beat.shape[:2])
-        masks.append(by_beat.reshape(-1, lanes) @ (1 << np.arange(lanes)))
-        for row, columns in enumerate(found):
-            last = row == len(found) - 1
-            # newest columns of windows, whose centres are to the left of them
-            for column in np.flatnonzero(columns):
-                place = written + column // lanes - first
-                lane = column % lanes
-                add(expected, x=column - margin, y=row + margin, note=0, end=0, beat=place, lane=lane)
-            written += by_beat.shape[1]
-            if last or build.video_out:
-                add(expected, x=0, y=row + margin, note=1, end=int(last), beat=written - 1, lane=0)
+    widths = [*range(build.min_width, build.min_width + lanes), 90, 120]
+    masks, rows, before = [], [], 0
+    expected: Candidates = []
+    for seed, width in enumerate(widths):
+        peaks = peaks_of(7 + seed % 3, width, margin, seed)
+        found, before = candidates_of(peaks, build, before)
+        expected += found
+        beats = np.pad(peaks, ((0, 0), (0, -width % lanes))).reshape(len(peaks), -1, lanes)[:, first:]
+        rows.append(beats.shape[:2])
+        masks.append(beats.reshape(-1, lanes) @ (1 << np.arange(lanes)))
+
     block = CandidateQueue(build)
-    given = pack_fields(block.i.payload.shape(), {"mask": np.concatenate(masks), **tags(rows)})
-    runner = engine("amaranth", CandidateQueue, build)
-    capture = run_all(runner, given, stalls)
-    found_places = unpack(request_layout(build), capture)
-    places = found_places["place"]
-    ring_bits = request_layout(build)["column"].width - (lanes - 1).bit_length()
-    note = np.array(expected["note"])
-    for name in ("y", "note", "end"):
-        assert places[name].tolist() == expected[name], name
-    column = (np.array(expected["beat"]) % (1 << ring_bits)) * lanes + np.array(expected["lane"])
-    assert np.where(note, 0, places["x"]).tolist() == expected["x"]
-    assert np.array_equal(found_places["column"][note == 0], column[note == 0])
-    # those of a note are of the same beat
-    assert np.array_equal(found_places["column"][note == 1] // lanes, column[note == 1] // lanes)
+    given = pack(block.i.payload.shape(), {"mask": np.concatenate(masks), **tags(rows)})
+    capture = engine("amaranth", CandidateQueue, build).run(Stimulus({"i": given}, [], stalls), quiet=100)
+    requests = unpack(block.o.payload.shape(), capture.outputs["o"])
+    places = requests["place"]
+    is_candidate = places["note"] == 0
+    column = np.where(is_candidate, requests["column"], 0)
+    x = np.where(is_candidate, places["x"], 0)
+    got = np.stack([column, x, places["y"], places["note"], places["end"]], axis=1)
+    wanted = np.array(expected)
+    wanted[:, 0] %= build.ring_beats * lanes
+    assert got.tolist() == wanted.tolist()
+    assert is_candidate.sum() > 3 * block.beats

@@ -1,0 +1,106 @@
+"""Faults that only several pixels per clock can have: in lanes, candidates and their queue."""
+
+from __future__ import annotations
+
+from tests.mutations.copies import Mutation
+
+LANES = {
+    "a neighbour to the left is looked for in the beat that comes after": Mutation(
+        "hdl/parts/lanes.py",
+        "self._at(-beats, lane) for",
+        "self._at(0, lane) for",
+        "tests/hdl/parts/test_lanes.py",
+        "to_the_left and unstalled",
+    ),
+    "two lanes of a peak mask change places": Mutation(
+        "hdl/peak_mask.py",
+        "Cat(peaks.values) & counts",
+        "Cat(peaks.values[::-1]) & counts",
+        "tests/hdl/test_peak_mask.py",
+        "strict and unstalled",
+    ),
+    "a peak is compared with the columns before it twice": Mutation(
+        "hdl/peak_mask.py",
+        "right = middle.back(r).map(",
+        "right = middle.map(",
+        "tests/hdl/test_peak_mask.py",
+        "strict and unstalled",
+    ),
+    "a lane beyond the width can have a peak": Mutation(
+        "hdl/peak_mask.py",
+        "(~eol | within[k])",
+        "(~eol | within[0])",
+        "tests/hdl/test_peak_mask.py",
+        "strict and unstalled",
+    ),
+    "an incomplete window of a row's first beat can have a peak": Mutation(
+        "hdl/peak_mask.py",
+        "(~first if k < columns % lanes else C(1, 1))",
+        "C(1, 1)",
+        "tests/hdl/test_peak_mask.py",
+        "strict and unstalled",
+    ),
+    "a later equal response suppresses an earlier one of another beat": Mutation(
+        "hdl/peak_mask.py",
+        "lambda v, a: _ahead(ties, v) > a",
+        "lambda v, a: _behind(ties, v) > a",
+        "tests/hdl/test_peak_mask.py",
+        "first and unstalled",
+    ),
+    "a response that does not count is the largest": Mutation(
+        "hdl/peak_mask.py",
+        "Mux(counts[k], centre, 0)",
+        "centre",
+        "tests/hdl/test_candidate_stage.py",
+        "3x3-2-unstalled",
+    ),
+    "a smoothed response lacks its neighbour in the beat before": Mutation(
+        "hdl/smoothed_beats.py",
+        "(pair + pair.back(1))",
+        "(pair + pair)",
+        "tests/hdl/test_smoothed_beats.py",
+        "unstalled",
+    ),
+    "a candidate is the lane beside it": Mutation(
+        "hdl/candidate_queue.py",
+        "m.d.comb += lane.eq(k)",
+        "m.d.comb += lane.eq(k ^ 1)",
+        "tests/hdl/test_candidate_queue.py",
+        "paper and unstalled",
+    ),
+    "of a beat's candidates the last one comes first": Mutation(
+        "hdl/candidate_queue.py",
+        "for k in reversed(range(lanes)):",
+        "for k in range(lanes):",
+        "tests/hdl/test_candidate_queue.py",
+        "paper and unstalled",
+    ),
+    "the queue of candidates tells its room a clock late": Mutation(
+        "hdl/candidate_queue.py",
+        "self.i.ready.eq(room)",
+        "self.i.ready.eq(1)",
+        "tests/hdl/test_candidate_queue.py",
+        "paper and clogged",
+    ),
+    "the border of two cells is a lane too far left": Mutation(
+        "hdl/cell_beats.py",
+        "self.last_lane.eq(Mux(ends, now, lanes - 1))",
+        "self.last_lane.eq(Mux(ends, now - (now != 0), lanes - 1))",
+        "tests/hdl/test_cell_beats.py",
+        "7 and unstalled",
+    ),
+    "a cell that ends within a beat goes on after it": Mutation(
+        "hdl/cell_beats.py",
+        "Mux(ends, whole + 1, 0)",
+        "Mux(ends, whole, 0)",
+        "tests/hdl/test_cell_beats.py",
+        "7 and unstalled",
+    ),
+    "a unit's turn is skipped": Mutation(
+        "hdl/refinement_units.py",
+        "turn.eq(Mux(turn == count - 1, 0, turn + 1))",
+        "turn.eq(Mux(turn == count - 1, port is self.o, turn + 1))",
+        "tests/hdl/test_refinement_units.py",
+        "test_offsets and three and amaranth-unstalled",
+    ),
+}
