@@ -18,6 +18,7 @@ from golden import Parameters, Settings, detect
 from golden.frame import Frame, response_map
 from golden.subpixel import derivatives, fit_nine
 from hdl.build import PIXELS_PER_CLOCK, Build
+from hdl.candidate_stage import CandidateStage
 from hdl.detector import Detector
 from hdl.identifiers import plain_port
 from hdl.parts.circular_buffer import CircularBuffer
@@ -65,6 +66,14 @@ def test_latency_with_several_pixels_per_clock(profile: str, buffering: str) -> 
     builds = [Build.profile(profile, buffering=buffering, pixels_per_clock=p) for p in PIXELS_PER_CLOCK]
     told = rows(HARDWARE, f"`{profile}`, `{buffering}`")[1:]
     assert told == [str(Detector(build).frame_latency(1920)) for build in builds]
+
+
+def test_clocks_of_windows_that_are_read() -> None:
+    assert "is read in 3 clocks" in prose(HARDWARE)
+    assert "in 10 clocks, or with 8 pixels per clock two columns at a time, in 5." in prose(HARDWARE)
+    for profile, told in (("robust", [3, 3, 3]), ("paper", [10, 10, 5])):
+        builds = [Build.profile(profile, pixels_per_clock=p) for p in PIXELS_PER_CLOCK[1:]]
+        assert [CandidateStage(build).candidate_ring.interval for build in builds] == told
 
 
 def test_memory_bits() -> None:

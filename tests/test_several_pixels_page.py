@@ -53,10 +53,13 @@ def test_width_of_tdata(bits: int) -> None:
     assert cells(f"bits of TDATA, {bits}-bit pixels") == [str(len(port)) for port in ports]
 
 
-@pytest.mark.parametrize("profile", ["robust", "paper"])
-def test_narrowest_frames(profile: str) -> None:
+@pytest.mark.parametrize(
+    ("profile", "named"),
+    [("robust", "`robust`"), *((name, "`paper` and `precise`") for name in ("paper", "precise"))],
+)
+def test_narrowest_frames(profile: str, named: str) -> None:
     widths = [Build.profile(profile, pixels_per_clock=lanes).min_width for lanes in SEVERAL]
-    assert cells(f"narrowest frame, `{profile}`") == [str(width) for width in widths]
+    assert cells(f"narrowest frame, {named}") == [str(width) for width in widths]
 
 
 def test_a_line_in_beats() -> None:
