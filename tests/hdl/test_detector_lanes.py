@@ -115,6 +115,18 @@ def test_a_change_of_size_costs_at_most_the_push(build: Build) -> None:
         assert beats <= frame.clocks <= beats + push
 
 
+@builds
+def test_silence_of_rejected_corners(build: Build) -> None:
+    """Candidates in plenty up to the last row, each read and found textured: no record but ends."""
+    y, x = np.mgrid[:48, :512]
+    rejecting = Settings.default(build, sigma1=0, sigma2=0)
+    images_of = [255 * ((x % n == 0) & (y % n == 0)).astype(np.uint8) for n in (3, 5)]
+    images_of += [255 * (noise(48, 512, 1, build) // 128)]
+    for frame in run(build, [(image, rejecting) for image in images_of]).frames:
+        assert frame.end_of_frame - frame.last_pixel <= Detector(build).longest_silence(512)
+        assert len(frame.records) == 1 or build.algorithm.texture == "none"
+
+
 def test_corners_on_the_last_possible_pixels() -> None:
     """Nearest to a frame's end that a candidate can come, in every lane of a row's last beat."""
     build = BUILDS["robust, P=2"]
