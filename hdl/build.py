@@ -164,16 +164,7 @@ class Build(Parameters):
     @property
     def rows_late(self) -> int:
         """Rows by which windows come later than with ``"lean"`` buffers: one for each buffer."""
-        buffers = self.algorithm.pixel_passes + 2 + self.buffers_gradients
-        return 0 if self.buffering == "lean" else buffers
-
-    @property
-    def buffers_gradients(self) -> bool:
-        """Are gradients made once and buffered, not made anew for each row of the smoothing window?
-
-        That takes more memory, and saves the logic of four rows in each lane.
-        """
-        return self.pixels_per_clock >= 4
+        return 0 if self.buffering == "lean" else self.algorithm.pixel_passes + 2
 
     @classmethod
     def profile(cls, name: str, **changes: Any) -> Self:

@@ -19,7 +19,10 @@ from hdl.parts.stream import Beat, Columns, Pipeline
 from hdl.preprocessing import sizes_layout, sizes_shape
 
 LATE_ROWS = (1, 2, 3)
-"""Rows looked up a clock after the outer two, so that their sums do not meet in one clock."""
+"""Rows looked up a clock after the outer two, so that their sums do not meet in one clock.
+
+Only with one pixel per clock: in several lanes, sums that meet cost less than registers.
+"""
 
 
 def products_layout(parameters: Parameters) -> data.StructLayout:
@@ -34,39 +37,55 @@ def products_shape(build: Build) -> ShapeLike:
     return lanes_of(products_layout(build), build.pixels_per_clock)
 
 
-def _kernel_sum(rows: list[Lanes], name: str, *, half: bool = False) -> Lanes:
-    """Sum of one channel under the kernel [1 2 2 2 1]ᵀ[1 2 2 2 1], not yet divided by 64.
+def _column_sum(rows: list[Lanes], name: str, *, half: bool = False) -> Lanes:
+    """Sum of one channel down a column under [1 2 2 2 1].
 
     Parameters
     ----------
     rows
-        Five rows of unsigned values of one width; the middle three come a clock after the others.
+        Five rows of unsigned values of one width. With one pixel per clock the middle three come a
+        clock after the others.
     name
         Name of the channel.
     half
-        Add 32, half a unit of the result. ``rows`` must be squares: these are 0 or 1 modulo 4.
+        Add 32, half a unit of the result, in the sum of five columns. ``rows`` must be squares:
+        these are 0 or 1 modulo 4.
 
     Returns
     -------
-    The sum, six bits wider than a row, with the window's last column: 3 clocks after the outer
-    rows, or 6 with several pixels per clock.
+    The sum, three bits wider than a row: 2 clocks after the outer rows, of which the second with
+    one pixel per clock is still to come.
     """
-    second, width = rows[1], len(rows[0].values[0])
+    first, second, third, fourth, fifth = rows
+    width = len(first.values[0])
     if half:
         # bit 1 of a square is always 0: a 2 there, in a row of weight 2, in columns of weight 8, is
         # 32
         second = second.map(lambda square: Cat(square[0], C(1, 1), square[2:]))
-    # r0 + r4, then + 2·r1, and r2 + r3; what is doubled leaves bit 0 alone
-    outer = (rows[0] + rows[4]).register(f"{name}_outer")
-    upper = outer.map(lambda ends, row: Cat(ends[0], ends[1:] + row), second).register(f"{name}_upper")
-    inner = (rows[2] + rows[3]).register(f"{name}_inner")
-    column = upper.map(lambda above, row: Cat(above[0], above[1:] + row)[: width + 3], inner)
+    outer = (first + fifth).register(f"{name}_outer")
+    # what is doubled leaves bit 0 alone
+    if len(outer) > 1:
+        inner = (second + fourth + third).register(f"{name}_inner")
+        return outer.map(_with_double, inner)[: width + 3].register(f"{name}_column")
+    upper = outer.map(_with_double, second).register(f"{name}_upper")
+    inner = (third + fourth).register(f"{name}_inner")
+    return upper.map(_with_double, inner)[: width + 3]
+
+
+def _with_double(value: Value, doubled: Value) -> Value:
+    return Cat(value[0], value[1:] + doubled)
+
+
+def _row_sum(column: Lanes, name: str, *, clocks: int = 3) -> Lanes:
+    """Sum of five columns under [1 2 2 2 1], three bits wider, with the window's last column.
+
+    With one pixel per clock it takes one clock, otherwise three, or two with two sums in one.
+    """
     if len(column) > 1:
         # neighbouring lanes share sums of two and of four columns
-        column = column.register(f"{name}_column")
-        pairs = (column + column.back(1)).register(f"{name}_pairs")
+        pairs = (column + column.back(1)).register(f"{name}_pairs", clocks - 2)
         fours = (pairs + pairs.back(1)).register(f"{name}_fours")
-        return (fours + fours.back(2))[: width + SHIFT].register(f"{name}_total")
+        return (fours + fours.back(2)).register(f"{name}_total")
     # the column meets the four before it in a chain of adders, in which each register holds the
     # part of one window that has been seen
     taps = column.back(1)
@@ -74,11 +93,16 @@ def _kernel_sum(rows: list[Lanes], name: str, *, half: bool = False) -> Lanes:
         # 1 + 2 + 2 + 2: never more than three bits above the column's sum
         sums = taps.map(_tap, column, name=f"{name}_taps_{k}")
         taps = sums.back(1)
-    return (taps + column)[: width + SHIFT].register(f"{name}_total")
+    return (taps + column)[: len(column.values[0]) + 3].register(f"{name}_total")
 
 
 def _tap(taps: Value, column: Value) -> Value:
     return Cat(taps[0], (taps[1:] + column)[: len(column) + 2])
+
+
+def _cross(a: Value, b: Value, d: Value) -> Value:
+    """(a + b - d) / 2: that is even, so bit 0 of a + b is that of d, and neither is needed."""
+    return (a + b)[1:] - d[1:]
 
 
 class Convolution(wiring.Component):
@@ -87,9 +111,10 @@ class Convolution(wiring.Component):
     Takes columns of five rows of numbers, delivers rows four columns shorter. With a, b and d the
     squares of gx, gy and their difference, gx·gy = (a + b - d) / 2: so A and B are sums of a and b,
     and C = (A + B - D) / 2 with D that of d, made of the full sums before any of them is rounded.
-    The half of rounding is already in the sums of a and b, so in C too.
+    The half of rounding is already in the sums of a and b, so in C too. With several pixels per
+    clock, what C is the sum of is made of the sums down a column.
 
-    c comes from an adder, not from a register: the next block should register it before it
+    c may come from an adder, not from a register: the next block should register it before it
     computes.
 
     Members
@@ -107,7 +132,7 @@ class Convolution(wiring.Component):
         self._lost = 2 * parameters.algorithm.response_margin - (SMOOTHING_SIZE - 1)
         # rows of all lanes; two differences that share a table lie in one row, or in rows that are
         # looked up in the same clock
-        self._squares = GradientSquares(sizes_layout(parameters), SMOOTHING_SIZE * self._lanes)
+        self._squares = GradientSquares(sizes_layout(parameters), SMOOTHING_SIZE, self._lanes)
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(sizes_shape(parameters), SMOOTHING_SIZE))),
@@ -117,11 +142,11 @@ class Convolution(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Signed products round on either side of zero, which takes a clock of its own.
+        """Signed products round on either side of zero, which may take a clock of its own.
 
-        With several pixels per clock there are three sums more, and a clock for C of either kind.
+        With several pixels per clock there are more sums between registers.
         """
-        return GradientSquares.latency + (3 + self._signed if self._lanes == 1 else 7)
+        return GradientSquares.latency + (3 + self._signed if self._lanes == 1 else 5)
 
     @property
     def memory_bits(self) -> int:
@@ -131,14 +156,13 @@ class Convolution(wiring.Component):
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         squares = self._look_up(m, pipe)
-        a, b, d = (_kernel_sum(squares[name], name, half=name != "d") for name in "abd")
-        if self._signed:
-            c = self._signed_cross(a, b, d)
-        elif self._lanes == 1:
-            c = a.map(lambda a, b, d: ((a + b)[1:] - d[1:])[SHIFT:], b, d)
+        columns = [_column_sum(squares[name], name, half=name != "d") for name in "abd"]
+        a, b = (_row_sum(column, name) for column, name in zip(columns[:2], "ab", strict=True))
+        if self._lanes > 1:
+            c = self._cross_of_columns(*columns)
         else:
-            # a + b - d is even, so bit 0 of a + b is that of d, and neither is needed
-            c = (a + b)[1:].register("both").map(lambda ab, d: (ab - d)[SHIFT:], d[1:].register("d_half"))
+            d = _row_sum(columns[2], "d")
+            c = self._signed_cross(a, b, d) if self._signed else a.map(_cross, b, d)[SHIFT:]
         a, b = (
             total[SHIFT:].register(f"{name}_rounded", c.clock - total.clock)
             for name, total in (("a", a), ("b", b))
@@ -156,20 +180,30 @@ class Convolution(wiring.Component):
         """Squares by channel and row."""
         lanes, newest = self._lanes, self.i.payload.data
         column = [sizes for row in range(SMOOTHING_SIZE) for sizes in each_lane(newest[row], lanes)]
-        late = tuple(row * lanes + lane for row in LATE_ROWS for lane in range(lanes))
-        found = self._squares.look_up(m, pipe, column, late)
+        late_rows = LATE_ROWS if lanes == 1 else ()
+        found = self._squares.look_up(m, pipe, column, late_rows)
         return {
             name: [
                 Lanes(
                     pipe,
                     values[row * lanes : (row + 1) * lanes],
                     f"{name}_square_{row}",
-                    GradientSquares.latency + (row in LATE_ROWS),
+                    GradientSquares.latency + (row in late_rows),
                 )
                 for row in range(SMOOTHING_SIZE)
             ]
             for name, values in found.items()
         }
+
+    def _cross_of_columns(self, a: Lanes, b: Lanes, d: Lanes) -> Lanes:
+        """C rounded, from sums down the columns, in the clock of the sums A and B."""
+        width = len(a.values[0])
+        if not self._signed:
+            return _row_sum(a.map(_cross, b, d)[:width].register("c_column"), "c", clocks=2)[SHIFT:]
+        column = a.map(lambda a, b, d: _cross(a, b, d)[: width + 1].as_signed(), b, d)
+        total = _row_sum(column.register("c_column"), "c", clocks=2)
+        # halves away from zero: half a unit too much is a whole one where it leaves nothing or less
+        return total.map(lambda total: ((total - (total <= 0)) >> SHIFT)[: self._bits + 1].as_signed())
 
     def _signed_cross(self, a: Lanes, b: Lanes, d: Lanes) -> Lanes:
         """C rounded, one clock later: halves away from zero."""

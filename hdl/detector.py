@@ -183,7 +183,7 @@ class Detector(wiring.Component):
         if self._parameters.buffering == "lean":
             return []
         algorithm = self._parameters.algorithm
-        buffers = algorithm.pixel_passes + 1 + self._parameters.buffers_gradients
+        buffers = algorithm.pixel_passes + 1
         return [*range(buffers), algorithm.response_margin]
 
     def elaborate(self, platform: Any) -> Module:

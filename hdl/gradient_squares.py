@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Value
+from amaranth.hdl import Module, Shape, Value
 from amaranth.lib import data
 
 from hdl.parts.square_table import SquareTable
@@ -25,14 +25,20 @@ class GradientSquares:
     sizes
         Layout of a row: see :func:`hdl.preprocessing.sizes_layout`.
     rows
-        Number of rows.
+        Number of rows, in each lane.
+    lanes
+        Columns of a beat.
     """
 
     latency = SquareTable.latency
 
-    def __init__(self, sizes: data.StructLayout, rows: int) -> None:
-        self._gradients = [SquareTable(sizes["gx"].width) for _ in range(rows)]
-        self._differences = [SquareTable(sizes["difference"].width) for _ in range(0, rows, 2)]
+    def __init__(self, sizes: data.StructLayout, rows: int, lanes: int = 1) -> None:
+        def table(field: str) -> SquareTable:
+            shape = Shape.cast(sizes[field].shape)
+            return SquareTable(shape.width, signed_numbers=shape.signed, stores_odd=lanes > 1)
+
+        self._gradients = [table("gx") for _ in range(rows * lanes)]
+        self._differences = [table("difference") for _ in range(0, rows * lanes, 2)]
 
     @property
     def memory_bits(self) -> int:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Module, ShapeLike, Value
+from amaranth.hdl import C, Module, ShapeLike, Value, signed, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.formats import SMOOTHING_SIZE
-from golden.parameters import Parameters
 from hdl.build import Build
 from hdl.parts.arithmetic import add_with_carry, magnitude
 from hdl.parts.lanes import Lanes, deliver, each_lane, lanes_of
@@ -20,14 +19,16 @@ PIXEL_ROWS = SMOOTHING_SIZE + 2
 """Rows of pixels that give SMOOTHING_SIZE rows of gradients."""
 
 
-def sizes_layout(parameters: Parameters) -> data.StructLayout:
+def sizes_layout(build: Build) -> data.StructLayout:
     """|gx|, |gy|, and the size of their difference, or of gx - gy where gradients have a sign.
 
-    The difference of signed gradients has one bit more than a gradient.
+    The difference of signed gradients has one bit more than a gradient. With several pixels per
+    clock each of the three may have either sign: only its square matters.
     """
-    bits = parameters.pixel_bits
-    difference = bits + 1 if parameters.algorithm.gradient == "signed" else bits
-    return data.StructLayout({"gx": bits, "gy": bits, "difference": difference})
+    bits = build.pixel_bits
+    difference = bits + 1 if build.algorithm.gradient == "signed" else bits
+    shape = unsigned if build.pixels_per_clock == 1 else lambda size: signed(size + 1)
+    return data.StructLayout({"gx": shape(bits), "gy": shape(bits), "difference": shape(difference)})
 
 
 def sizes_shape(build: Build) -> ShapeLike:
@@ -40,10 +41,12 @@ class Preprocessing(wiring.Component):
 
     Takes columns of seven rows of pixels, delivers rows two columns shorter. The gradients of a
     pixel are made anew for each of the five rows of the smoothing window that it passes: pixels
-    wait in less memory. With three rows of pixels they are made once, to be buffered.
+    wait in less memory.
 
         clock 1   gx, gy
         clock 2   |gx|, |gy|, and ±(|gx| - |gy|) (absolute) or gx - gy (signed)
+
+    With several pixels per clock there is no clock 2: tables find the squares of signed numbers.
 
     With ``derivative="sobel"`` gx and gy come two clocks later: three rows of each column are added
     up, and the column two before is subtracted; differences of two rows are added up along the row,
@@ -56,52 +59,51 @@ class Preprocessing(wiring.Component):
     ----------
     parameters
         Parameters of the detector.
-    rows
-        Rows of pixels.
 
     Members
     -------
     i
-        Stream of ``Columns(pixels_shape(parameters), rows)``.
+        Stream of ``Columns(pixels_shape(parameters), 7)``.
     o
-        Stream of ``Columns(sizes_shape(parameters), rows - 2)``.
+        Stream of ``Columns(sizes_shape(parameters), 5)``.
     """
 
-    def __init__(self, parameters: Build, rows: int = PIXEL_ROWS) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._signed = parameters.algorithm.gradient == "signed"
         self._sobel = parameters.algorithm.derivative == "sobel"
         self._lost = 2 * parameters.algorithm.pixel_passes
-        self._rows = rows
         self._lanes = parameters.pixels_per_clock
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(pixels_shape(parameters), rows))),
-                "o": Out(stream.Signature(Columns(sizes_shape(parameters), rows - 2))),
+                "i": In(stream.Signature(Columns(pixels_shape(parameters), PIXEL_ROWS))),
+                "o": Out(stream.Signature(Columns(sizes_shape(parameters), SMOOTHING_SIZE))),
             }
         )
 
     @property
     def latency(self) -> int:
-        return 4 if self._sobel else 2
+        return (2 if self._lanes == 1 else 1) + (2 if self._sobel else 0)
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         newest = self.i.payload.data
-        rows = [Lanes(pipe, each_lane(newest[k], self._lanes), f"pixel_{k}") for k in range(self._rows)]
-        for row in range(self._rows - 2):
+        rows = [Lanes(pipe, each_lane(newest[k], self._lanes), f"pixel_{k}") for k in range(PIXEL_ROWS)]
+        for row in range(SMOOTHING_SIZE):
             make = self._smoothed if self._sobel else self._gradients
             above, here, below = rows[row : row + 3]
             gx, gy = make(above, here, below, row)
-            size_x, size_y = (
-                gradient.map(magnitude).register(f"{name}_size_{row}")
-                for name, gradient in (("gx", gx), ("gy", gy))
-            )
-            difference = gx.map(self._difference, gy).register(f"difference_{row}").map(magnitude)
+            difference = gx.map(self._difference, gy)
+            if self._lanes == 1:
+                gx, gy = (
+                    gradient.map(magnitude).register(f"{name}_size_{row}")
+                    for name, gradient in (("gx", gx), ("gy", gy))
+                )
+                difference = difference.register(f"difference_{row}").map(magnitude)
             for lane, sizes in enumerate(each_lane(self.o.payload.data[row], self._lanes)):
                 m.d.comb += [
-                    sizes.gx.eq(size_x.values[lane]),
-                    sizes.gy.eq(size_y.values[lane]),
+                    sizes.gx.eq(gx.values[lane]),
+                    sizes.gy.eq(gy.values[lane]),
                     sizes.difference.eq(difference.values[lane]),
                 ]
         deliver(m, pipe, self.i, self.o, difference, lost=self._lost, more=2)

@@ -9,7 +9,6 @@ from amaranth.hdl import Module
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden.formats import SMOOTHING_SIZE
 from hdl.adaptation import adapted_layout
 from hdl.build import Build
 from hdl.convolution import Convolution
@@ -20,7 +19,7 @@ from hdl.parts.optional import optional
 from hdl.parts.stream import Beat, SkidBuffer
 from hdl.pixel_filter import FILTER_ROWS, PixelFilter
 from hdl.pixel_store import PixelStore, store_members
-from hdl.preprocessing import PIXEL_ROWS, Preprocessing, sizes_shape
+from hdl.preprocessing import PIXEL_ROWS, Preprocessing
 from hdl.response import Response
 from hdl.sample import pixels_shape, responses_shape
 from hdl.step_layouts import reads_pixels, rows_kept
@@ -33,8 +32,6 @@ class ResponseStage(wiring.Component):
         pixels ─ frame control ─ (pixel store) ─ (buffer 3 ─ pixel filter) ─┐
             ┌───────────────────────────────────────────────────────────────┘
             └ buffer 7 ─ preprocessing ─ convolution ─ response ─ skid ─ thresholds ─ samples
-
-    From four pixels per clock on, gradients are made once: buffer 3 ─ preprocessing ─ buffer 5.
 
     There is a pixel filter for each time that pixels are smoothed, with two rows of pixels (lean)
     of its own; and a pixel store for the gradient step, which reads pixels as they come.
@@ -67,11 +64,8 @@ class ResponseStage(wiring.Component):
                 f"filter buffer{number}": buffer,
                 f"pixel filter{number}": PixelFilter(p, 2 * k),
             }
-        rows = 3 if p.buffers_gradients else PIXEL_ROWS
-        self.pixel_buffer = CircularBuffer(pixels, rows, p.beats, p.buffering)
-        self.preprocessing = Preprocessing(p, rows)
-        size_buffer = CircularBuffer(sizes_shape(p), SMOOTHING_SIZE, p.beats, p.buffering)
-        self._size_buffer = optional(p.buffers_gradients, **{"size buffer": size_buffer})
+        self.pixel_buffer = CircularBuffer(pixels, PIXEL_ROWS, p.beats, p.buffering)
+        self.preprocessing = Preprocessing(p)
         self.convolution = Convolution(p)
         self.response = Response(p)
         self.skid = SkidBuffer(Beat(samples))
@@ -101,7 +95,6 @@ class ResponseStage(wiring.Component):
             **self._filters,
             "pixel buffer": self.pixel_buffer,
             "preprocessing": self.preprocessing,
-            **self._size_buffer,
             "convolution": self.convolution,
             "response": self.response,
             "response skid": self.skid,

@@ -10,7 +10,7 @@ from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 UNSTORED_BITS = 2
-"""Low bits of a square that are not stored: bit 0 is that of x, bit 1 is 0."""
+"""Low bits of a square that need not be stored: bit 0 is that of x, bit 1 is 0."""
 
 
 class SquareTable(wiring.Component):
@@ -24,6 +24,9 @@ class SquareTable(wiring.Component):
         Width of the numbers, from 2 (signed: 3).
     signed_numbers
         They are in two's complement; the most negative one must not occur.
+    stores_odd
+        Bit 0 of a square comes out of the memory, too, not from registers beside it: that saves
+        four of them, and takes a bit more for each word.
 
     Members
     -------
@@ -42,13 +45,14 @@ class SquareTable(wiring.Component):
 
     latency = 2
 
-    def __init__(self, bits: int, *, signed_numbers: bool = False) -> None:
+    def __init__(self, bits: int, *, signed_numbers: bool = False, stores_odd: bool = False) -> None:
         fewest = 3 if signed_numbers else 2
         if bits < fewest:
             # their squares have nothing above what is not stored
             raise ValueError(f"bits is {bits}; allowed: whole numbers from {fewest}")
         self._bits = bits
         self._signed = signed_numbers
+        self._stores_odd = stores_odd
         self._square_bits = 2 * bits - 2 if signed_numbers else 2 * bits
         number = signed(bits) if signed_numbers else unsigned(bits)
         super().__init__(
@@ -61,7 +65,11 @@ class SquareTable(wiring.Component):
 
     @property
     def memory_bits(self) -> int:
-        return (self._square_bits - UNSTORED_BITS) << self._bits
+        return self._word_bits << self._bits
+
+    @property
+    def _word_bits(self) -> int:
+        return self._square_bits - UNSTORED_BITS + self._stores_odd
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -69,18 +77,28 @@ class SquareTable(wiring.Component):
         # the place of the most negative number stays empty
         numbers = [*range(size // 2), 0, *range(1 - size // 2, 0)] if self._signed else range(size)
         m.submodules.table = table = Memory(
-            shape=self._square_bits - UNSTORED_BITS,
+            shape=self._word_bits,
             depth=size,
-            init=[x * x >> UNSTORED_BITS for x in numbers],
+            init=[self._word(x) for x in numbers],
             attrs={"ram_style": "block"},
         )
         for k in range(2):
             x, port = Value.cast(self.x[k]).as_unsigned(), table.read_port()
             m.d.comb += [port.addr.eq(x), port.en.eq(self.enable)]
             high = Signal(len(port.data), name=f"high_{k}", reset_less=True)
+            with m.If(self.enable):
+                m.d.sync += high.eq(port.data)
+            if self._stores_odd:
+                m.d.comb += self.square[k].eq(Cat(high[0], C(0, 1), high[1:]))
+                continue
             odd = Signal(name=f"odd_{k}", reset_less=True)
             odd_before = Signal.like(odd, name=f"odd_before_{k}")
             with m.If(self.enable):
-                m.d.sync += [high.eq(port.data), odd_before.eq(x[0]), odd.eq(odd_before)]
+                m.d.sync += [odd_before.eq(x[0]), odd.eq(odd_before)]
             m.d.comb += self.square[k].eq(Cat(odd, C(0, 1), high))
         return m
+
+    def _word(self, x: int) -> int:
+        """What is stored of a square."""
+        high = x * x >> UNSTORED_BITS
+        return high << 1 | x & 1 if self._stores_odd else high
