@@ -17,7 +17,10 @@ from hdl.responses import ResponseBlock
 from hdl.square_root import SquareRoot
 
 RADICAND_LATENCY = 7
-"""A - B, sizes, difference of their halves, look-up (2), sum over both numbers, radicand."""
+"""A - B, sizes, difference of their halves, look-up (2), sum over both numbers, radicand.
+
+With several pixels per clock one less: tables find the squares of numbers of either sign.
+"""
 
 
 class Response(ResponseBlock):
@@ -29,7 +32,8 @@ class Response(ResponseBlock):
 
     so that with Q, the sum over both numbers of h²·2ⁿ + l², and E, that of (h - l)², the radicand
     is Q + (Q - E)·2ⁿ. A tensor smoothed from real pixels keeps it within 2·root_bits. A + B and the
-    tags wait in a delay line beside all this, those of all lanes in the same.
+    tags wait in a delay line beside all this, those of all lanes in the same. With several pixels
+    per clock, h has the sign of x.
     """
 
     def __init__(self, parameters: Build) -> None:
@@ -38,17 +42,17 @@ class Response(ResponseBlock):
         self._response_bits = parameters.response_bits
         self._lanes = lanes = parameters.pixels_per_clock
         self._roots = [SquareRoot(self._bits, parameters.sqrt_bits_per_stage) for _ in range(lanes)]
-        # one clock less: its last register stands by itself, because the line is block RAM and so
-        # far away
-        waiting = RADICAND_LATENCY + self._roots[0].latency - 1
-        self._line = DelayLine(self._bits * lanes + 2, waiting)
-        self._tables = [_tables(self._half) for _ in range(lanes)]
+        # with one lane one clock less: its last register stands by itself, because the line is
+        # block RAM and so far away; in several, registers would take too much
+        self._line = DelayLine(self._bits * lanes + 2, self.latency - 1 - (lanes == 1))
+        self._tables = [_tables(self._half, lanes) for _ in range(lanes)]
         super().__init__(parameters)
 
     @property
     def latency(self) -> int:
         """The last clock takes the difference."""
-        return RADICAND_LATENCY + self._roots[0].latency + 1
+        radicand = RADICAND_LATENCY - (self._lanes > 1)
+        return radicand + self._roots[0].latency + 1
 
     @property
     def memory_bits(self) -> int:
@@ -65,7 +69,7 @@ class Response(ResponseBlock):
             line.enable.eq(pipe.advance),
             line.i.eq(Cat(*sums, self.i.payload.eol, self.i.payload.eof)),
         ]
-        waited = pipe.register(line.o, "waited")
+        waited = pipe.delay(line.o, int(self._lanes == 1), "waited")
         for lane, response in enumerate(each_lane(self.o.payload.data, self._lanes)):
             m.submodules[lane_name("square_root", lane, self._lanes)] = root = self._roots[lane]
             m.d.comb += [
@@ -84,7 +88,7 @@ class Response(ResponseBlock):
         return m
 
     def _radicand(self, m: Module, pipe: Pipeline, tensor: Any, lane: int) -> Value:
-        """(A - B)² + (2C)², RADICAND_LATENCY clocks later."""
+        """(A - B)² + (2C)²."""
         n, tables = self._half, self._tables[lane]
 
         def stored(value: Value, name: str) -> Value:
@@ -93,13 +97,17 @@ class Response(ResponseBlock):
         def squares(name: str, x: list[Value]) -> Value:
             """Sum of the squares of a part of A - B and of a part of 2C."""
             m.submodules[lane_name(name, lane, self._lanes)] = table = tables[name]
-            m.d.comb += [table.enable.eq(pipe.advance), Cat(table.x).eq(Cat(*x))]
+            m.d.comb += [table.enable.eq(pipe.advance), *(table.x[k].eq(x[k]) for k in range(2))]
             return stored(table.square[0] + (table.square[1] << 2), f"{name}_squares")
 
-        difference, c = stored(tensor.a - tensor.b, "difference"), stored(tensor.c, "c")
-        numbers = [stored(magnitude(difference), "distance"), stored(magnitude(c), "cross")]
+        numbers = [stored(tensor.a - tensor.b, "difference"), stored(tensor.c, "c")]
+        if self._lanes == 1:
+            numbers = [
+                stored(magnitude(x), name) for x, name in zip(numbers, ("distance", "cross"), strict=True)
+            ]
         # high halves, low halves, and a clock later their differences
-        highs, lows = [x[n:] for x in numbers], [x[:n] for x in numbers]
+        lows = [x[:n] for x in numbers]
+        highs = [x >> n for x in numbers]
         steps = [
             stored(high - low, f"step_{k}") for k, (high, low) in enumerate(zip(highs, lows, strict=True))
         ]
@@ -108,10 +116,11 @@ class Response(ResponseBlock):
         return stored((both + ((both - cross) << n))[: 2 * self._bits], "radicand")
 
 
-def _tables(half: int) -> dict[str, SquareTable]:
+def _tables(half: int, lanes: int) -> dict[str, SquareTable]:
     """Tables of one tensor: of the high halves, the low halves, and their differences."""
+    several = lanes > 1
     return {
-        "high": SquareTable(half),
-        "low": SquareTable(half),
-        "differences": SquareTable(half + 1, signed_numbers=True),
+        "high": SquareTable(half + several, signed_numbers=several, stores_odd=several),
+        "low": SquareTable(half, stores_odd=several),
+        "differences": SquareTable(half + 1 + several, signed_numbers=True, stores_odd=several),
     }
