@@ -3,15 +3,19 @@
 
 from __future__ import annotations
 
+from math import isqrt
 from typing import Any
 
 from amaranth.hdl import C, Cat, Module, Signal, Value
 from amaranth.lib import wiring
+from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 from hdl.parts.delay_line import DelayLine
 from hdl.parts.probes import probe
 
+TABLE_LATENCY = 2
+"""The block RAM's own register, and the one behind it."""
 RINGS = (4, 5)
 """Clocks of the two delay lines in which the radicand waits: the shortest that are memory."""
 
@@ -36,6 +40,9 @@ class SquareRoot(wiring.Component):
         Width of the result.
     bits_per_stage
         Result bits between two registers: more saves registers and latency, and lengthens the path.
+    looked_up
+        Result bits, fewer than all, that come from a table in block RAM instead, two clocks later.
+        What comes out of block RAM is then used without a register that stands by itself.
 
     Members
     -------
@@ -47,34 +54,40 @@ class SquareRoot(wiring.Component):
         Its root, ``latency`` enabled clocks later.
     """
 
-    def __init__(self, root_bits: int, bits_per_stage: int = 1) -> None:
+    def __init__(self, root_bits: int, bits_per_stage: int = 1, looked_up: int = 0) -> None:
         self._root_bits = root_bits
         self._bits_per_stage = bits_per_stage
-        self._waits = [_wait(k // bits_per_stage) for k in range(root_bits)]
+        self._looked_up = looked_up
+        late, single = (TABLE_LATENCY, 0) if looked_up else (0, 1)
+        self._waits = [_wait(late + k // bits_per_stage, single) for k in range(root_bits - looked_up)]
         _, *rounds = (sum(kind) for kind in zip(*self._waits, strict=True))
         self._lines = [DelayLine(2 * n, clocks) for n, clocks in zip(rounds, RINGS, strict=True)]
         super().__init__({"enable": In(1), "radicand": In(2 * root_bits), "root": Out(root_bits)})
 
     @property
     def latency(self) -> int:
-        return -(-self._root_bits // self._bits_per_stage)
+        steps = -(-(self._root_bits - self._looked_up) // self._bits_per_stage)
+        return steps + (TABLE_LATENCY if self._looked_up else 0)
 
     @property
     def memory_bits(self) -> int:
-        return sum(line.memory_bits for line in self._lines)
+        table = (2 * self._looked_up + 1) << 2 * self._looked_up if self._looked_up else 0
+        return table + sum(line.memory_bits for line in self._lines)
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         digits = self._digits(m)
         operand: Value = C(0, 0)
         remainder: Value = C(0, 1)
-        for k, digit in enumerate(digits[:-1]):
+        if self._looked_up:
+            operand, remainder = self._look_up(m)
+        for k, digit in enumerate(digits[:-1], self._looked_up):
             before, remainder = remainder, _step(m, operand, remainder, digit)
             probe(self, **{f"step_{k}": remainder})
             # a signal of its own, or each of the next step's uses would repeat this step's logic
             stored = Signal(k, name=f"operand_{k}")
             m.d.comb += stored.eq(operand ^ (before[-1] ^ remainder[-1]).replicate(k))
-            if (k + 1) % self._bits_per_stage == 0:
+            if (k + 1 - self._looked_up) % self._bits_per_stage == 0:
                 stored = self._register(m, stored, f"root_{k}")
                 remainder = self._register(m, remainder, f"remainder_{k}")
             # the newest bit is inverted where it is 1, which makes it 0
@@ -85,13 +98,25 @@ class SquareRoot(wiring.Component):
         m.d.comb += self.root.eq(self._register(m, root, "root"))
         return m
 
+    def _look_up(self, m: Module) -> tuple[Value, Value]:
+        """Operand and remainder behind the result bits that are looked up."""
+        bits = self._looked_up
+        words = [_first_steps(number, bits) for number in range(1 << 2 * bits)]
+        m.submodules.table = table = Memory(
+            shape=2 * bits + 1, depth=len(words), init=words, attrs={"ram_style": "block"}
+        )
+        port = table.read_port()
+        m.d.comb += [port.addr.eq(self.radicand[-2 * bits :]), port.en.eq(self.enable)]
+        found = self._register(m, port.data, "found")
+        return Cat(C(0, 1), found[bits + 2 :]), found[: bits + 2]
+
     def _digits(self, m: Module) -> list[Value]:
         """Pairs of the radicand's bits, the highest first, each as late as its stage."""
         inputs: list[list[Value]] = [[] for _ in RINGS]
         outputs: list[list[Value]] = [[] for _ in RINGS]
         digits = []
         for k, (singles, *rounds) in enumerate(self._waits):
-            low = 2 * (self._root_bits - 1 - k)
+            low = 2 * (len(self._waits) - 1 - k)
             digit: Value = self.radicand[low : low + 2]
             for ring, count in enumerate(rounds):
                 for n in range(count):
@@ -115,15 +140,24 @@ class SquareRoot(wiring.Component):
         return register
 
 
-def _wait(clocks: int) -> tuple[int, int, int]:
+def _wait(clocks: int, single: int) -> tuple[int, int, int]:
     """Splits ``clocks`` into single registers and rounds of the two delay lines.
 
-    Few of them are single registers, except the last.
+    Few of them are single registers, except the last ``single`` ones.
     """
-    rounds = max(clocks - 1, 0)
+    rounds = max(clocks - single, 0)
     fives = min(rounds % 4, rounds // 5)
     fours = (rounds - 5 * fives) // 4
     return clocks - 4 * fours - 5 * fives, fours, fives
+
+
+def _first_steps(number: int, bits: int) -> int:
+    """Operand, less its bit 0, and remainder that the steps make of a number of ``2·bits`` bits."""
+    root = isqrt(number)
+    # behind a result bit of 0 the remainder is that of the next root, and so negative
+    remainder = number - (root if root & 1 else root + 1) ** 2
+    operand = root ^ ((1 << bits) - 1 if root & 1 else 0)
+    return operand >> 1 << bits + 2 | remainder & (1 << bits + 2) - 1
 
 
 def _step(m: Module, operand: Value, remainder: Value, digit: Value) -> Value:

@@ -22,6 +22,9 @@ RADICAND_LATENCY = 7
 With several pixels per clock one less: tables find the squares of numbers of either sign.
 """
 
+ROOT_TABLE_BITS = 5
+"""Result bits of a root that are looked up, with several pixels per clock."""
+
 
 class Response(ResponseBlock):
     """Squares from tables, a sum, its square root.
@@ -41,7 +44,8 @@ class Response(ResponseBlock):
         self._bits = parameters.root_bits
         self._response_bits = parameters.response_bits
         self._lanes = lanes = parameters.pixels_per_clock
-        self._roots = [SquareRoot(self._bits, parameters.sqrt_bits_per_stage) for _ in range(lanes)]
+        per_stage, looked_up = parameters.sqrt_bits_per_stage, ROOT_TABLE_BITS if lanes > 1 else 0
+        self._roots = [SquareRoot(self._bits, per_stage, looked_up) for _ in range(lanes)]
         # with one lane one clock less: its last register stands by itself, because the line is
         # block RAM and so far away; in several, registers would take too much
         self._line = DelayLine(self._bits * lanes + 2, self.latency - 1 - (lanes == 1))

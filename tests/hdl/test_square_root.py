@@ -21,7 +21,11 @@ from sim.engine import EngineName
 from sim.stimulus import Stalls
 from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, check_block
 
-SHAPES = [(1, 1), (5, 2), (8, 3), (9, 5), (21, 4), *((17, k) for k in range(1, 6))]
+SHAPES = [
+    *((1, 1, 0), (5, 2, 0), (8, 3, 0), (9, 5, 0), (21, 4, 0), *((17, k, 0) for k in range(1, 6))),
+    *((2, 1, 1), (9, 3, 4), (17, 1, 5), (17, 4, 5), (21, 1, 5)),
+]
+"""Result bits, how many per stage, and how many are looked up."""
 WIDEST = 21
 
 
@@ -31,7 +35,7 @@ class Roots(wiring.Component):
     latency = WIDEST
 
     def __init__(self) -> None:
-        self.roots = data.StructLayout({f"r{bits}_{per_stage}": bits for bits, per_stage in SHAPES})
+        self.roots = data.StructLayout({_name(shape): shape[0] for shape in SHAPES})
         super().__init__(
             {"i": In(stream.Signature(2 * WIDEST)), "o": Out(stream.Signature(self.roots))},
         )
@@ -39,23 +43,27 @@ class Roots(wiring.Component):
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
-        for bits, per_stage in SHAPES:
-            name = f"r{bits}_{per_stage}"
-            m.submodules[name] = block = SquareRoot(bits, per_stage)
+        for shape in SHAPES:
+            name = _name(shape)
+            m.submodules[name] = block = SquareRoot(*shape)
             m.d.comb += [
                 block.enable.eq(pipe.advance),
-                block.radicand.eq(self.i.payload[: 2 * bits]),
+                block.radicand.eq(self.i.payload[: 2 * shape[0]]),
                 self.o.payload[name].eq(pipe.delay(block.root, self.latency - block.latency, name)),
             ]
         m.d.comb += self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True))
         return m
 
 
+def _name(shape: tuple[int, int, int]) -> str:
+    return "r" + "_".join(map(str, shape))
+
+
 class Root(wiring.Component):
     """One square root inside a pipeline."""
 
-    def __init__(self, root_bits: int, bits_per_stage: int) -> None:
-        self.root = SquareRoot(root_bits, bits_per_stage)
+    def __init__(self, root_bits: int, bits_per_stage: int, looked_up: int) -> None:
+        self.root = SquareRoot(root_bits, bits_per_stage, looked_up)
         super().__init__(
             {"i": In(stream.Signature(2 * root_bits)), "o": Out(stream.Signature(root_bits))},
         )
@@ -95,38 +103,37 @@ def floor_roots(radicand: NDArray[np.int64]) -> NDArray[np.int64]:
 )
 def test_every_shape(radicand: NDArray[np.int64]) -> None:
     expected = {}
-    for bits, per_stage in SHAPES:
-        low = radicand & ((1 << (2 * bits)) - 1)
-        expected[f"r{bits}_{per_stage}"] = floor_roots(low)
-        assert np.array_equal(li_chu(low, bits), expected[f"r{bits}_{per_stage}"])
+    for shape in SHAPES:
+        low = radicand & ((1 << (2 * shape[0])) - 1)
+        expected[_name(shape)] = floor_roots(low)
+        assert np.array_equal(li_chu(low, shape[0]), expected[_name(shape)])
     check_block((Roots,), {"i": radicand}, {"o": expected})
 
 
 def check(
     radicand: NDArray[np.int64],
-    root_bits: int,
-    bits_per_stage: int,
+    shape: tuple[int, int, int],
     latency: int,
     name: EngineName,
     stalls: Stalls = NO_STALLS,
 ) -> None:
     given, expected = {"i": radicand}, {"o": floor_roots(radicand)}
-    check_block((Root, root_bits, bits_per_stage), given, expected, name, stalls, latency=latency)
+    check_block((Root, *shape), given, expected, name, stalls, latency=latency)
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
-@pytest.mark.parametrize("bits_per_stage", [1, 3])
-def test_stalls(bits_per_stage: int, name: EngineName, stalls: Stalls) -> None:
-    radicand = some_radicands(17, 4000 if name == "compiled" else 200)
-    check(radicand, 17, bits_per_stage, {1: 17, 3: 6}[bits_per_stage], name, stalls)
+@pytest.mark.parametrize(("shape", "latency"), [((17, 1, 0), 17), ((17, 3, 0), 6), ((17, 1, 5), 14)])
+def test_stalls(shape: tuple[int, int, int], latency: int, name: EngineName, stalls: Stalls) -> None:
+    check(some_radicands(17, 4000 if name == "compiled" else 200), shape, latency, name, stalls)
 
 
-@pytest.mark.parametrize(("root_bits", "bits_per_stage"), SHAPES)
-def test_latency(root_bits: int, bits_per_stage: int) -> None:
-    """A stage with the last few bits is one of its own."""
-    latency = SquareRoot(root_bits, bits_per_stage).latency
-    assert latency == (root_bits + bits_per_stage - 1) // bits_per_stage
-    check(some_radicands(root_bits, 40), root_bits, bits_per_stage, latency, "amaranth")
+@pytest.mark.parametrize("shape", SHAPES)
+def test_latency(shape: tuple[int, int, int]) -> None:
+    """A stage with the last few bits is one of its own; bits that are looked up take two clocks."""
+    (root_bits, bits_per_stage, looked_up), latency = shape, SquareRoot(*shape).latency
+    steps = (root_bits - looked_up + bits_per_stage - 1) // bits_per_stage
+    assert latency == steps + (2 if looked_up else 0)
+    check(some_radicands(root_bits, 40), shape, latency, "amaranth")
 
 
 def test_more_bits_per_stage_do_not_multiply_the_logic() -> None:
