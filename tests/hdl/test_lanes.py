@@ -120,10 +120,12 @@ def test_preprocessing(lanes: int, profile: str, stalls: Stalls) -> None:
 
 def tensors(image: Array, parameters: Build) -> Array:
     algorithm = parameters.algorithm
-    smoothed = [
-        smooth(channel) for channel in products(*gradients(image, algorithm.derivative), algorithm.gradient)
-    ]
-    return np.stack(smoothed, axis=-1)
+    return smoothed(*gradients(image, algorithm.derivative), parameters)
+
+
+def smoothed(gx: Array, gy: Array, parameters: Build) -> Array:
+    channels = products(gx, gy, parameters.algorithm.gradient)
+    return np.stack([smooth(channel) for channel in channels], axis=-1)
 
 
 @STALLS
@@ -138,6 +140,29 @@ def test_convolution(lanes: int, profile: str, stalls: Stalls) -> None:
         [sizes(frame, parameters) for frame in frames],
         [tensors(frame, parameters) for frame in frames],
         stalls,
+        lost=(lost - 4, lost),
+        rows=(5, 0),
+        members=(SIZES, ("a", "b", "c")),
+    )
+
+
+@LANE
+def test_convolution_halves(lanes: int) -> None:
+    """C is 4 times a product over 64: of 8 one half, of 24 1.5; and around both, of either sign."""
+    parameters = build("robust", lanes)
+    centres = [7, 8, 9, 23, 24, 25, -7, -8, -9, -23, -24, -25, 0]
+    gx = np.zeros((5, 5 * len(centres)), np.int64)
+    gx[2, 2::5] = centres
+    gy = (gx != 0).astype(np.int64)
+    numbers = np.stack([gx, gy, gx - gy], axis=-1)
+    expected = smoothed(gx, gy, parameters)
+    assert expected[0, ::5, 2].tolist() == [0, 1, 1, 1, 2, 2, 0, -1, -1, -1, -2, -2, 0]
+    lost = 2 * parameters.algorithm.response_margin
+    check(
+        (Convolution, parameters),
+        [np.abs(numbers) if lanes == 1 else numbers],
+        [expected],
+        NO_STALLS,
         lost=(lost - 4, lost),
         rows=(5, 0),
         members=(SIZES, ("a", "b", "c")),

@@ -22,8 +22,8 @@ from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, check_block
 class Squares(wiring.Component):
     """The table inside a pipeline."""
 
-    def __init__(self, bits: int, signed_numbers: bool) -> None:
-        self.table = SquareTable(bits, signed_numbers=signed_numbers)
+    def __init__(self, bits: int, signed_numbers: bool, stores_odd: bool = False) -> None:
+        self.table = SquareTable(bits, signed_numbers=signed_numbers, stores_odd=stores_odd)
         super().__init__(
             {
                 "i": In(stream.Signature(self.table.x.shape())),
@@ -50,20 +50,23 @@ def check(
     pairs: NDArray[np.int64],
     name: EngineName,
     stalls: Stalls = NO_STALLS,
+    *,
+    stores_odd: bool = False,
 ) -> None:
-    block, late = (Squares, bits, signed_numbers), SquareTable.latency
+    block, late = (Squares, bits, signed_numbers, stores_odd), SquareTable.latency
     check_block(block, {"i": pairs}, {"o": pairs**2}, name, stalls, latency=late)
 
 
+@pytest.mark.parametrize("stores_odd", [False, True])
 @pytest.mark.parametrize(
     ("bits", "signed_numbers"), [*((n, False) for n in range(2, 12)), *((n, True) for n in range(3, 12))]
 )
-def test_every_number(bits: int, signed_numbers: bool) -> None:
+def test_every_number(bits: int, signed_numbers: bool, stores_odd: bool) -> None:
     """At one port counting up, at the other in no order."""
     low = 1 - (1 << (bits - 1)) if signed_numbers else 0
     numbers = np.arange(low, (1 << (bits - signed_numbers)))
     pairs = np.stack([numbers, np.random.default_rng(bits).permutation(numbers)], axis=1)
-    check(bits, signed_numbers, pairs, "amaranth")
+    check(bits, signed_numbers, pairs, "amaranth", stores_odd=stores_odd)
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
@@ -73,8 +76,9 @@ def test_stalls(name: EngineName, stalls: Stalls) -> None:
 
 
 def test_memory_bits() -> None:
-    """14 of 16 bits of 256 squares; 6 of 8 bits of 16; signed, 14 of 16 bits of 512."""
+    """14 of 16 bits of 256 squares, or 15; 6 of 8 bits of 16; signed, 14 of 16 bits of 512."""
     assert SquareTable(8).memory_bits == 14 * 256
+    assert SquareTable(8, stores_odd=True).memory_bits == 15 * 256
     assert SquareTable(4).memory_bits == 6 * 16
     assert SquareTable(9, signed_numbers=True).memory_bits == 14 * 512
 

@@ -42,8 +42,8 @@ PARTS = {
     ),
     "one square is looked up wrong": Mutation(
         "hdl/parts/square_table.py",
-        "x * x >> UNSTORED_BITS for x in numbers",
-        "(x * x >> UNSTORED_BITS) + (x == 100) for x in numbers",
+        "high = x * x >> UNSTORED_BITS",
+        "high = (x * x >> UNSTORED_BITS) + (x == 100)",
         "tests/hdl/parts/test_square_table.py",
         "every_number",
     ),

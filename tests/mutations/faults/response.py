@@ -40,6 +40,20 @@ RESPONSE = {
         "tests/hdl/test_square_root.py",
         "latency",
     ),
+    "a remainder that is looked up is that of the wrong root": Mutation(
+        "hdl/square_root.py",
+        "(root if root & 1 else root + 1) ** 2",
+        "root**2",
+        "tests/hdl/test_square_root.py",
+        "latency",
+    ),
+    "a half of C that is negative is rounded up in lanes": Mutation(
+        "hdl/convolution.py",
+        "total - (total <= 0)",
+        "total - (total < 0)",
+        "tests/hdl/test_lanes.py",
+        "convolution_halves",
+    ),
     "a negative D is not clamped": Mutation(
         "hdl/responses/shi_tomasi.py",
         "Mux(difference[-1], 0, difference[: self._response_bits])",
