@@ -16,6 +16,7 @@ from cornerstream.images.decoders import ALLOWED, Decoded, check_kind, decode, k
 from cornerstream.images.depth import eight_bits, fitted, normalized
 from cornerstream.images.headers import read_header
 from golden.parameters import Parameters
+from hdl.build import Build
 
 _LARGEST_FILE = 1 << 30
 """Bytes; twice what the largest frame takes in 32-bit floating-point numbers, not compressed."""
@@ -68,11 +69,11 @@ class _Wanted:
     def allowed_size(self) -> str:
         largest = f"{self.parameters.max_width}x{self.parameters.max_height}"
         width, height = self._least
-        least = f"allowed: {width}x{height} up to"
+        lanes = self.parameters.pixels_per_clock if isinstance(self.parameters, Build) else 1
+        allowed = f"allowed with {lanes} pixels per clock" if lanes > 1 else "allowed"
+        least = f"{allowed}: {width}x{height} up to"
         if self.options:
-            # with one pixel per clock the least width is the least height
-            lanes = ", --pixels-per-clock" if width > height else ""
-            return f"{least} the built maximum of {largest} (see --max-width, --max-height{lanes})"
+            return f"{least} the built maximum of {largest} (see --max-width, --max-height)"
         return f"{least} {largest}"
 
     def pixels(self, decoded: Decoded, name: str) -> Photograph:
