@@ -25,14 +25,14 @@ from hdl.window_stage import WindowStage
 
 
 class Detector(wiring.Component):
-    """Corners out of a stream of pixels, one pixel per clock, without blanking.
+    """Corners out of a stream of pixels, without blanking: one beat of pixels per clock.
 
         pixels ─ response stage ┬ samples ┬ window stage ┬ candidates ──────┬ record stage ─ records
                                 └ limits ─┘              └ pending records ─┘
 
-    A sample is a response and what rides along with it; limits are a frame's thresholds. The window
-    stage tells the response stage each frame's largest response, from which the next frame's
-    thresholds are made.
+    A sample is a response, or a beat of them; limits are a frame's thresholds. With several pixels
+    per clock the window stage is a :class:`hdl.candidate_stage.CandidateStage`. It tells the
+    response stage each frame's largest response, from which the next frame's thresholds are made.
 
     The paper also buffers A, B and C, and the responses three times, and refines every pixel. Here
     gradients and products are computed again for each row of the smoothing window; one response
@@ -47,10 +47,12 @@ class Detector(wiring.Component):
     Members
     -------
     i
-        Stream of pixels, unsigned(pixel_bits), in raster order, frames back to back.
+        Stream of pixels in raster order, frames back to back: unsigned(pixel_bits), or with
+        ``pixels_per_clock`` an array of so many, the leftmost first. Then every row begins with a
+        beat of its own, and what its last beat holds beyond the width is ignored.
     width, height
-        Frame size, from ``Algorithm.support`` to the built maximum; sampled with a frame's first
-        pixel, as is all that follows.
+        Frame size, from ``Build.min_width`` and ``Algorithm.support`` to the built maximum; sampled
+        with a frame's first beat, as is all that follows.
     sigma1, sigma2
         Thresholds in units of 2**-16 (``Settings.sigma1_fixed``, ``sigma2_fixed``).
     use_constant, constant, floor, report_rejected

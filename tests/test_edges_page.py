@@ -10,7 +10,8 @@ import pytest
 from amaranth.hdl import Shape
 
 from golden.video import Event
-from hdl.build import Build
+from hdl.build import PIXELS_PER_CLOCK, Build
+from hdl.detector import Detector
 from hdl.edges import Interface, make_core
 from hdl.edges.video_detector import VideoDetector
 
@@ -53,6 +54,10 @@ def test_latency(buffering: str) -> None:
         told = lean if buffering == "lean" else banked + 2 * width
         assert detector.frame_latency(width) == told
     assert f"{lean} (or {banked} + 2·width) clocks" in PROSE
+    assert "three clocks later than that of the [detector alone]" in PROSE
+    for lanes in PIXELS_PER_CLOCK[1:]:
+        build = Build.profile("paper", buffering=buffering, pixels_per_clock=lanes)
+        assert VideoDetector(build).frame_latency(1920) == Detector(build).frame_latency(1920) + 3
 
 
 @pytest.mark.parametrize(("interface", "title"), [("axi", "AXI"), ("avalon", "Avalon")])
