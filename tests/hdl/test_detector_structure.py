@@ -64,7 +64,10 @@ def test_the_printed_fit_exists_in_the_golden_model_only() -> None:
         Detector(Build.profile("paper", fit="printed"))
 
 
-@pytest.mark.parametrize("parameters", MIXTURES.values(), ids=MIXTURES.keys())
+LANES = {"four pixels per clock": ROBUST.changed(pixels_per_clock=4)}
+
+
+@pytest.mark.parametrize("parameters", (MIXTURES | LANES).values(), ids=MIXTURES | LANES)
 def test_no_multiplier_is_asked_for(parameters: Parameters) -> None:
     """Products are adders: no synthesis tool can infer an embedded multiplier."""
     cells = set(re.findall(r"cell (\$\w+)", rtlil.convert(Detector(parameters), name="top")))
