@@ -156,6 +156,21 @@ def test_simulate(image: np.ndarray, stalls: list[str]) -> None:
     assert "clocks/s" in result.stdout and "Written: out/corners.csv" in result.stderr
 
 
+def test_simulate_several_pixels_per_clock(image: np.ndarray) -> None:
+    """The last beat of a row is not full; there is a list of the lanes for waves."""
+    pixels, width = image[:, 1:].copy(), WIDTH - 1
+    Image.fromarray(pixels).save("odd.png")
+    options = ("--pixels-per-clock", "4", "--frames", "1", "--sigma1", "0.01", "--vcd", "waves.vcd")
+    result = run("simulate", "odd.png", "--engine", "amaranth", "-o", "out", *options, *SIZE)
+    beats = HEIGHT * WIDTH // 4
+    figures = ["robust", "0", f"{width}x{HEIGHT}", str(beats), f"{beats / width / HEIGHT:.3f}"]
+    (row,) = (line.split("│")[1:-1] for line in result.stdout.splitlines() if line.startswith("│"))
+    assert [cell.strip() for cell in row[:5]] == figures and row[7].strip() == "0"
+    corners = detect(pixels, settings=Settings(sigma1=0.01, reference="constant"))
+    assert table("out/corners.csv") == as_table(corners) != []
+    assert "lane 3" in Path("waves.gtkw").read_text()
+
+
 def test_waves_are_written_with_a_signal_list() -> None:
     options = ("--frames", "1", "--vcd", "waves/w.vcd", "--vcd-clocks", "50")
     result = run("simulate", "grey.png", "--engine", "amaranth", *SIZE, *options)
