@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal, Self
 
-from golden.algorithm import FIT_REACH
+from golden.algorithm import FIT_REACH, RESPONSE_FILTER_REACH
 from golden.options import option
 from golden.parameters import Parameters
 
@@ -164,7 +164,18 @@ class Build(Parameters):
     @property
     def rows_late(self) -> int:
         """Rows by which windows come later than with ``"lean"`` buffers: one for each buffer."""
-        return 0 if self.buffering == "lean" else self.algorithm.pixel_passes + 2
+        buffers = self.algorithm.pixel_passes + 2 + self.buffers_smoothed
+        return 0 if self.buffering == "lean" else buffers
+
+    @property
+    def buffers_smoothed(self) -> bool:
+        """Are responses smoothed once and then buffered, not made anew for each row of a window?
+
+        So it is with several pixels per clock, unless textures are judged by responses as they are.
+        """
+        algorithm = self.algorithm
+        smooths = RESPONSE_FILTER_REACH[algorithm.response_filter] > 0
+        return smooths and self.pixels_per_clock > 1 and algorithm.texture == "none"
 
     @classmethod
     def profile(cls, name: str, **changes: Any) -> Self:

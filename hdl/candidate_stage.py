@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Signal
+from amaranth.hdl import Module, Signal, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -27,7 +27,7 @@ from hdl.parts.stream import Beat
 from hdl.peak_mask import PeakMask
 from hdl.placed_selection import PlacedSelection
 from hdl.sample import responses_shape
-from hdl.smoothed_beats import SMOOTHED_ROWS, SmoothedBeats
+from hdl.smoothed_beats import SmoothedBeats
 from hdl.step_layouts import reads_pixels, rows_kept
 from hdl.surface import SurfaceFit
 from hdl.textures import TEXTURES
@@ -49,6 +49,8 @@ class CandidateStage(wiring.Component):
     clock, in columns: each candidate is a row of its own, as wide as the window, read from the ring
     of the last beats of columns. With a texture filter these are columns of N rows of D, otherwise
     three columns of the three rows around the centre, of S with a response filter.
+
+    Without a texture filter, responses are smoothed once: buffer 3 ─ smoothed beats ─ buffer N-2.
 
     For the textures of ``texture="patches"`` half a window is as good as the other, turned round:
     the candidate texture takes the columns of both from the outer one to the centre, with 8 pixels
@@ -80,8 +82,13 @@ class CandidateStage(wiring.Component):
         reach = RESPONSE_FILTER_REACH[algorithm.response_filter]
         self._halves, self._choosing = p.sums_halves, p.max_per_cell > 0
         self._place = place_layout(p)
-        self.response_buffer = CircularBuffer(shape, size, p.beats, p.buffering, registers=1)
-        self.smoothed_beats = SmoothedBeats(p) if reach else None
+        rows = 2 * reach + 1 if p.buffers_smoothed else size
+        self.response_buffer = CircularBuffer(shape, rows, p.beats, p.buffering)
+        self.smoothed_beats: Any = None
+        if reach:
+            self.smoothed_beats = SmoothedBeats(p, 1) if p.buffers_smoothed else SmoothedBeats(p)
+        smoothed_buffer = CircularBuffer(shape, size - 2 * reach, p.beats, p.buffering)
+        self._smoothed_buffer = optional(p.buffers_smoothed, **{"smoothed buffer": smoothed_buffer})
         self.peak_mask = PeakMask(p)
         self.candidate_queue = CandidateQueue(p)
         block = TEXTURES[algorithm.texture]
@@ -121,6 +128,7 @@ class CandidateStage(wiring.Component):
         return {
             "response buffer": self.response_buffer,
             **optional(self.smoothed_beats is not None, **{"smoothed beats": self.smoothed_beats}),
+            **self._smoothed_buffer,
             "peak mask": self.peak_mask,
             "candidate queue": self.candidate_queue,
             "candidate ring": self.candidate_ring,
@@ -155,6 +163,7 @@ class CandidateStage(wiring.Component):
         parts = {
             "response_buffer": self.response_buffer,
             "smoothed_beats": self.smoothed_beats,
+            **{name.replace(" ", "_"): block for name, block in self._smoothed_buffer.items()},
             "peak_mask": self.peak_mask,
             "candidate_queue": self.candidate_queue,
             "candidate_ring": self.candidate_ring,
@@ -193,25 +202,22 @@ class CandidateStage(wiring.Component):
 
     def _search(self, m: Module) -> None:
         """Peaks into the queue, columns into the ring."""
-        columns, peaks, queue, ring = (
-            self.response_buffer.o,
-            self.peak_mask,
-            self.candidate_queue,
-            self.candidate_ring,
-        )
-        first: Any = self.smoothed_beats or peaks
+        peaks, queue, ring = self.peak_mask, self.candidate_queue, self.candidate_ring
+        columns: Any = self.response_buffer.o
+        if self._smoothed_buffer:
+            columns = self._smooth(m, *self._smoothed_buffer.values())
+        first: Any = peaks
+        if self.smoothed_beats and not self._smoothed_buffer:
+            first = self.smoothed_beats
+            m.d.comb += peaks.permit.eq(1)
+            wiring.connect(m, first.o, peaks.i)
         m.d.comb += [
-            *([peaks.permit.eq(1)] if self.smoothed_beats else []),
             # what comes before the first column must move, or there will be no limits
             first.permit.eq(self.limits.valid | ~columns.valid),
             peaks.t1.eq(self.limits.payload.t1),
             peaks.last_lanes.eq(self.limits.payload.last_lanes),
-            first.i.valid.eq(columns.valid),
-            columns.ready.eq(first.i.ready),
         ]
-        self._pass_rows(m, first.i, columns, SMOOTHED_ROWS if self.smoothed_beats else peaks.rows)
-        if self.smoothed_beats:
-            wiring.connect(m, self.smoothed_beats.o, peaks.i)
+        self._pass_rows(m, first.i, columns)
         wiring.connect(m, peaks.o, queue.i)
         wiring.connect(m, queue.o, ring.i)
         source: Any = columns if self.texture_filter is not None else peaks.i
@@ -223,11 +229,27 @@ class CandidateStage(wiring.Component):
             queue.full.eq(ring.full),
         ]
 
+    def _smooth(self, m: Module, buffer: CircularBuffer) -> Any:
+        """Columns of S, smoothed once."""
+        smoothed = self.smoothed_beats
+        self._pass_rows(m, smoothed.i, self.response_buffer.o)
+        m.d.comb += [
+            smoothed.permit.eq(1),
+            buffer.i.valid.eq(smoothed.o.valid),
+            # a column of one row is a beat
+            Value.cast(buffer.i.payload).eq(smoothed.o.payload),
+            smoothed.o.ready.eq(buffer.i.ready),
+        ]
+        return buffer.o
+
     @staticmethod
-    def _pass_rows(m: Module, sink: Any, source: Any, rows: int) -> None:
-        """The middle ones of a column."""
+    def _pass_rows(m: Module, sink: Any, source: Any) -> None:
+        """The middle ones of a column, as many as the sink takes."""
+        rows = len(sink.payload.data)
         top = (len(source.payload.data) - rows) // 2
         m.d.comb += [
+            sink.valid.eq(source.valid),
+            source.ready.eq(sink.ready),
             *(sink.payload.data[k].eq(source.payload.data[top + k]) for k in range(rows)),
             sink.payload.eol.eq(source.payload.eol),
             sink.payload.eof.eq(source.payload.eof),

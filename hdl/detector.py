@@ -186,7 +186,8 @@ class Detector(wiring.Component):
             return []
         algorithm = self._parameters.algorithm
         buffers = algorithm.pixel_passes + 1
-        return [*range(buffers), algorithm.response_margin]
+        of_responses = 1 + self._parameters.buffers_smoothed
+        return [*range(buffers), *[algorithm.response_margin] * of_responses]
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()

@@ -49,8 +49,9 @@ class PeakMask(wiring.Component):
     o
         Stream of ``mask_layout(lanes)``. It is taken whenever it is ready.
     largest
-        Largest response of the frame so far, of all window centres; that of the whole frame from
-        :attr:`largest_latency` clocks after its last beat has left until the next one's first.
+        Largest response of the frame so far, of all window centres; that of the whole frame
+        from :attr:`largest_latency` clocks after its last beat has left until the next one's first
+        is in.
     """
 
     def __init__(self, parameters: Build) -> None:
@@ -61,7 +62,7 @@ class PeakMask(wiring.Component):
         self.latency = min(r, 3) + 1 + (r - 1).bit_length() + 2
         # those of a row are apart by more than the radius
         self.most = -(-self._lanes // (r + 1))
-        self.largest_latency = (self._lanes - 1).bit_length() + 2
+        self.largest_latency = (self._lanes - 1).bit_length() + 1
         column = responses_shape(parameters)
         super().__init__(
             {
@@ -88,37 +89,59 @@ class PeakMask(wiring.Component):
             ends = [v.register(f"ends_{k}") for k, v in enumerate(pairs + ends[len(ends) & ~1 :])]
             middle, above = middle.register("middle"), above.register("above")
 
+        late = p.algorithm.window_size // 2 - r - RESPONSE_FILTER_REACH[p.algorithm.response_filter]
+        marks = Cat(self.i.payload.eol, self.i.payload.eof, self._counts(m, pipe))
+        marks = pipe.delay(marks, middle.clock, "marks")
+        self._find_largest(m, pipe, middle.back(r + late), marks[2:], marks[1])
+
         # to those that come after, this column is one before; and the other way round
         here = middle.map(lambda v: _ahead(ties, v))
         peak = here.map(lambda v, e: v > e, ends[0])
         before = ends[0].map(lambda e, v, p: Mux(p, v, e), here, peak).register("before")
-        after = before
-        if ties == "first":
-            after = ends[0].map(lambda e, v: larger(e, _behind(ties, v)), middle).register("after")
         promising = peak if p.budget else peak.map(lambda a, b: a & b, above)
-        promising, middle = promising.register("promising"), middle.register("middle_late")
-        before, after, (promising, middle) = self._of_neighbours(before, after, [promising, middle])
-
-        left = middle.map(lambda v, b: _ahead(ties, v) > b, before.back(1))
-        left = left.map(lambda a, b: a & b, promising).register("beats_left")
-        right = middle.back(r).map(lambda v, a: _ahead(ties, v) > a, after).register("beats_right")
-        late = p.algorithm.window_size // 2 - r - RESPONSE_FILTER_REACH[p.algorithm.response_filter]
+        promising = promising.register("promising")
+        if r == 1 and ties == "first":
+            left, right = self._compare_neighbours(before, promising, peak.register("peak"))
+        else:
+            after = before
+            if ties == "first":
+                after = ends[0].map(lambda e, v: larger(e, _behind(ties, v)), middle).register("after")
+            left, right = self._compare(before, after, promising)
         peaks = left.back(r).map(lambda a, b: a & b, right).back(late)
-        centre = middle.back(r + late).register("centre").register("centre_late")
 
-        counts = pipe.delay(self._counts(m, pipe), self.latency - 1, "counts")
+        marks = pipe.delay(marks, self.latency - 1 - middle.clock, "late_marks")
         m.d.comb += [
-            self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
-            self.o.payload.mask.eq(pipe.register(Cat(peaks.values) & counts, "mask")),
-            self.o.payload.eol.eq(pipe.delay(self.i.payload.eol, self.latency, "eol")),
-            self.o.payload.eof.eq(pipe.delay(self.i.payload.eof, self.latency, "eof")),
+            self.o.valid.eq(pipe.beat(self.latency)),
+            self.o.payload.mask.eq(pipe.register(Cat(peaks.values) & marks[2:], "mask")),
+            Cat(self.o.payload.eol, self.o.payload.eof).eq(pipe.register(marks[:2], "tags")),
         ]
-        self._find_largest(m, centre.values, pipe.register(counts, "counts_now"))
         return m
 
     def _row(self, pipe: Pipeline, row: int) -> Lanes:
         beat = each_lane(self.i.payload.data[row], self._lanes)
         return Lanes(pipe, [sample.response for sample in beat], f"row_{row}")
+
+    def _compare(self, before: Lanes, after: Lanes, promising: Lanes) -> tuple[Lanes, Lanes]:
+        """Is a centre larger than what lies to its left, and one r columns back than all since?"""
+        # of a promising column that is the middle
+        own = before
+        before, after, (promising, own) = self._of_neighbours(before, after, [promising, own])
+        left = own.map(lambda v, b: v > b, before.back(1))
+        right = own.back(self._radius).map(lambda v, a: v > a, after)
+        return left.map(lambda a, b: a & b, promising).register("beats_left"), right.register("beats_right")
+
+    @staticmethod
+    def _compare_neighbours(column: Lanes, promising: Lanes, peak: Lanes) -> tuple[Lanes, Lanes]:
+        """The same of 3x3 responses, where of equal ones the first is a peak, by one comparison.
+
+        Of two columns whose largest are equal, the left one's centre comes first: unless it is not
+        the middle of the right column that equals it, but what lies above, and before.
+        """
+        larger_one = column.map(
+            lambda here, left, peak: Cat(~peak, here) > Cat(C(0, 1), left), column.back(1), peak
+        )
+        left = larger_one.map(lambda a, b: a & b, promising).register("beats_left")
+        return left, larger_one.map(lambda a: ~a).register("beats_right")
 
     def _of_neighbours(
         self, before: Lanes, after: Lanes, others: list[Lanes]
@@ -152,13 +175,16 @@ class PeakMask(wiring.Component):
             complete & (~eol | within[k]) & (~first if k < columns % lanes else C(1, 1)) for k in range(lanes)
         )
 
-    def _find_largest(self, m: Module, centres: list[Value], counts: Value) -> None:
+    def _find_largest(self, m: Module, pipe: Pipeline, centres: Lanes, counts: Value, eof: Value) -> None:
         """Goes on while the rest waits: the frame's end may come soon."""
         first, step = Signal(init=1), Signal()
-        m.d.comb += step.eq(self.o.valid & self.o.ready)
+        m.d.comb += step.eq(pipe.beat(centres.clock) & pipe.advance)
         with m.If(step):
-            m.d.sync += first.eq(self.o.payload.eof)
-        values = [Mux(counts[k], centre, 0) for k, centre in enumerate(centres)]
+            m.d.sync += first.eq(eof)
+        values = [
+            _largest_that_counts(*pair)
+            for pair in zip(centres.values[::2], counts[::2], centres.values[1::2], counts[1::2], strict=True)
+        ]
         starts: Value = first
         level = 0
         while True:
@@ -175,6 +201,11 @@ class PeakMask(wiring.Component):
             level += 1
         with m.If(step & (starts | (kept[0] > self.largest))):
             m.d.sync += self.largest.eq(kept[0])
+
+
+def _largest_that_counts(a: Value, a_counts: Value, b: Value, b_counts: Value) -> Value:
+    """0 if neither does."""
+    return Mux(a_counts | b_counts, Mux(a_counts & (~b_counts | (a > b)), a, b), 0)
 
 
 # Half a unit more for the centre and for what comes before it in raster order says with one

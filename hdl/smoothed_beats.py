@@ -1,4 +1,4 @@
-"""Response filter of several columns per clock: three rows of S out of five of D."""
+"""Response filter of several columns per clock: rows of S out of two rows more of D."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from hdl.sample import responses_shape
 
 SMOOTHED_ROWS = CENTRE_SIZE + 2
 """Rows of D that three rows of S need."""
+ROWS_LOST = SMOOTHED_ROWS - CENTRE_SIZE
 
 
 class SmoothedBeats(wiring.Component):
@@ -28,26 +29,33 @@ class SmoothedBeats(wiring.Component):
         clock 1   a + 2b + c down the column
         clock 2   the same along the row: pairs of neighbours, and pairs of these
 
+    Parameters
+    ----------
+    build
+        Parameters of the detector.
+    rows
+        Rows of S.
+
     Members
     -------
     i
-        Stream of ``Columns`` of beats of responses, five rows.
+        Stream of ``Columns`` of beats of responses, two rows more.
     permit
         A beat may be taken.
     o
-        Stream of ``Columns`` of beats of responses, three rows.
+        Stream of ``Columns`` of beats of responses.
     """
 
     latency = 2
 
-    def __init__(self, build: Build) -> None:
-        self._lanes = build.pixels_per_clock
+    def __init__(self, build: Build, rows: int = CENTRE_SIZE) -> None:
+        self._lanes, self._rows = build.pixels_per_clock, rows
         column = responses_shape(build)
         super().__init__(
             {
-                "i": In(stream.Signature(Columns(column, SMOOTHED_ROWS))),
+                "i": In(stream.Signature(Columns(column, rows + ROWS_LOST))),
                 "permit": In(1),
-                "o": Out(stream.Signature(Columns(column, CENTRE_SIZE))),
+                "o": Out(stream.Signature(Columns(column, rows))),
             }
         )
 
@@ -58,7 +66,7 @@ class SmoothedBeats(wiring.Component):
             Lanes(pipe, [sample.response for sample in each_lane(row, self._lanes)], f"row_{k}")
             for k, row in enumerate(self.i.payload.data)
         ]
-        for k in range(CENTRE_SIZE):
+        for k in range(self._rows):
             down = rows[k].map(binomial, *rows[k + 1 : k + 3]).register(f"down_{k}")
             pair = down + down.back(1)
             smoothed = (pair + pair.back(1))[4:].register(f"smoothed_{k}")
