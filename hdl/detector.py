@@ -153,7 +153,8 @@ class Detector(wiring.Component):
     def frame_latency(self, width: int) -> int:
         """Clocks from a frame's last pixel to its end-of-frame record, for either buffering.
 
-        They hold without stalls.
+        They hold without stalls. With several pixels per clock the smallest frames may take
+        ``Thresholds.clocks`` more, as their first windows wait for their thresholds.
         """
         # each buffer starts reading a row when its last value is in, and ends one row's length
         # later

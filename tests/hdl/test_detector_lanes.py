@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from golden import Settings, StreamModel
 from hdl.build import Build
 from hdl.detector import Detector
+from hdl.thresholds import Thresholds
 from sim.beats import beat_count
 from sim.frames import Frame
 from sim.stimulus import Stalls
@@ -88,11 +89,15 @@ def test_sizes(build: Build, stalls: Stalls) -> None:
 
 @builds
 def test_latency_without_corners(build: Build) -> None:
-    least = (build.algorithm.support, build.min_width)
-    for size in (least, (33, 47), (20, 64), (64, least[1] + 1), (20, 512)):
+    detector, high, wide = Detector(build), build.algorithm.support, build.min_width
+    for size in ((33, 47), (20, 64), (64, wide + 1), (20, 512)):
         result = run(build, [(np.zeros(size, np.uint8), Settings.default(build))] * 3)
         late = [frame.end_of_frame - frame.last_pixel for frame in result.frames]
-        assert late == [Detector(build).frame_latency(size[1])] * 3
+        assert late == [detector.frame_latency(size[1])] * 3
+    # the smallest frame may have to wait for its thresholds
+    (frame,) = run(build, [(np.zeros((high, wide), np.uint8), Settings.default(build))]).frames
+    more = frame.end_of_frame - frame.last_pixel - detector.frame_latency(wide)
+    assert 0 <= more <= Thresholds(build).clocks
 
 
 @builds
@@ -105,12 +110,12 @@ def test_full_rate(build: Build) -> None:
 
 @builds
 def test_a_change_of_size_costs_at_most_the_push(build: Build) -> None:
-    """A frame waits for the rows of a wider one; the smallest ones, for the settings before."""
+    """A frame waits for the rows of a wider one, one in each buffer."""
     least = (build.algorithm.support, build.min_width)
     sizes = [(24, 64), (20, 512), (24, 64), (512, least[1] + 3), (20, 509), (24, 64)]
     frames = [(noise(*size, k, build), both_kinds(build)) for k, size in enumerate(sizes)]
     result = run(build, frames)
-    push = 2 * 512 // build.pixels_per_clock if build.buffering == "banked" else 0
+    push = build.rows_late * 512 // build.pixels_per_clock
     for frame, beats in zip(result.frames, clocks_of(build, frames), strict=True):
         assert beats <= frame.clocks <= beats + push
 

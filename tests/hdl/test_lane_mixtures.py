@@ -16,6 +16,7 @@ from golden.algorithm import FIT_REACH
 from hdl.build import Build
 from hdl.candidate_stage import CandidateStage
 from hdl.record_stage import RecordStage
+from hdl.thresholds import Thresholds
 from sim.beats import beat_count
 from sim.frames import Frame
 from sim.stimulus import Stalls
@@ -87,25 +88,28 @@ def test_more_candidates_than_can_be_read(build: Build, stalls: Stalls) -> None:
     tosses = [noise(64, 64, seed, build) > build.pixel_max // 2 for seed in range(2)]
     frames = [(black_and_white(build, values), everything) for values in [*grids, *tosses]]
     capture = run(build, frames, stalls)
-    assert len(capture.output_clocks["o"]) > 300 or build.algorithm.suppression > 2
+    assert len(capture.output_clocks["o"]) > 150 or build.algorithm.suppression > 2
 
 
 @builds
 def test_latency(build: Build) -> None:
-    """From a frame's last response to its end, where there is no candidate: what blocks say."""
+    """From a frame's last response to its end, where there is no candidate: what blocks say.
+
+    Windows of the smallest frames wait for thresholds.
+    """
     stage, records = CandidateStage(build), RecordStage(build)
     late = sum(block.latency for block in [*stage.blocks.values(), *records.blocks.values()]) + stage.end_late
     lanes, lost = build.pixels_per_clock, 2 * build.algorithm.response_margin
     high, wide = build.algorithm.support, build.min_width
     # one row of windows each: ends of rows may take longer to read than such narrow rows to come
-    sizes = [(high, wide), (high, wide + 1), (high, 64), (high, 61)]
+    sizes = [(high, 64), (high, 61), (high, wide), (high, wide + 1)]
     flat = [(black_and_white(build, np.zeros(size)), Settings.default(build)) for size in sizes]
     capture = run(build, flat)
     beats = [beat_count(size, build) // size[0] - lost // lanes for size in sizes]
     ends = np.cumsum([row * (height - lost) for row, (height, _) in zip(beats, sizes, strict=True)])
     read_out = np.array(beats) - 1 if build.buffering == "banked" else 0
-    got = capture.output_clocks["o"] - capture.input_clocks["samples"][ends - 1]
-    assert got.tolist() == (0 * got + late + read_out).tolist()
+    more = capture.output_clocks["o"] - capture.input_clocks["samples"][ends - 1] - late - read_out
+    assert (more[:2] == 0).all() and (more >= 0).all() and (more <= Thresholds(build).clocks).all()
 
 
 @builds
