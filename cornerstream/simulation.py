@@ -65,6 +65,8 @@ _WAVE_BYTES = {"compiled": 10_000, "amaranth": 6_500, "verilog": 4_500, GATES: 7
 """Bytes of waves per clock, measured on a detailed frame with profile ``paper``."""
 _GRADIENT_FIT = 2.7
 """The gradient step takes so many times more bytes: its sums change with every pixel."""
+_EACH_LANE = 1.5
+"""With several pixels per clock, so many times more bytes for each lane; measured with 2 and 4."""
 _MOST_PIXELS = 1 << 28
 """Pixels of a simulation, all frames together; each takes some 16 bytes of memory."""
 
@@ -323,7 +325,10 @@ def _announce_waves(run: Run, pixels: Image, parameters: Build) -> None:
     clocks = min(
         run.vcd_clocks, round(run.frames * beat_count(pixels.shape, parameters) / (1 - run.stalls.inputs))
     )
-    each = _WAVE_BYTES[run.engine] * (_GRADIENT_FIT if parameters.algorithm.fit == "gradient" else 1)
+    lanes = parameters.pixels_per_clock
+    each = _WAVE_BYTES[run.engine] * (_EACH_LANE * lanes if lanes > 1 else 1)
+    if parameters.algorithm.fit == "gradient":
+        each *= _GRADIENT_FIT
     size = console.size(clocks * each)
     console.say(f"Waves of {clocks:,} clocks will take up to about {size} (an estimate)")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -169,6 +170,8 @@ def test_simulate_several_pixels_per_clock(image: np.ndarray) -> None:
     corners = detect(pixels, settings=Settings(sigma1=0.01, reference="constant"))
     assert table("out/corners.csv") == as_table(corners) != []
     assert "lane 3" in Path("waves.gtkw").read_text()
+    expected, actual = (float(re.search(r"([\d.]+) MB", line)[1]) for line in result.stderr.splitlines()[::2])
+    assert actual < expected < 4 * actual
 
 
 def test_waves_are_written_with_a_signal_list() -> None:
