@@ -174,6 +174,7 @@ def simulate(
       cornerstream simulate photo.jpg --profile robust --profile paper -o corners/
       cornerstream simulate photo.jpg --stall-input 0.3 --stall-output 0.3
       cornerstream simulate photo16bit.png --pixel-bits 10
+      cornerstream simulate photo.jpg --pixels-per-clock 4
       cornerstream simulate --engine verilog
       cornerstream simulate --engine gates --max-width 512
       cornerstream simulate --vcd build/waves.vcd --vcd-clocks 20000
