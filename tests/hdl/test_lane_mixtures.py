@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import cycle
 from typing import Any
 
@@ -20,7 +21,7 @@ from hdl.thresholds import Thresholds
 from sim.beats import beat_count
 from sim.frames import Frame
 from sim.stimulus import Stalls
-from tests.support.behind_responses import run
+from tests.support.behind_responses import run, run_with_reset
 from tests.support.builds import each
 from tests.support.detectors import MIXTURES, SMALL, both_kinds, noise
 from tests.support.filters import lenient
@@ -63,6 +64,12 @@ STALLS = {
 }
 
 
+def beats_of_responses(build: Build, size: tuple[int, int]) -> list[int]:
+    """Beats of each row of responses of a frame of this (height, width)."""
+    lost, (height, width) = 2 * build.algorithm.response_margin, size
+    return [beat_count((1, width), build) - lost // build.pixels_per_clock] * (height - lost)
+
+
 def black_and_white(build: Build, values: Any) -> Any:
     """The smallest and the largest pixel, where these are false and true."""
     return (values * build.pixel_max).astype(np.uint8 if build.pixel_bits <= 8 else np.uint16)
@@ -99,16 +106,15 @@ def test_latency(build: Build) -> None:
     """
     stage, records = CandidateStage(build), RecordStage(build)
     late = sum(block.latency for block in [*stage.blocks.values(), *records.blocks.values()]) + stage.end_late
-    lanes, lost = build.pixels_per_clock, 2 * build.algorithm.response_margin
     high, wide = build.algorithm.support, build.min_width
     # one row of windows each: ends of rows may take longer to read than such narrow rows to come
     sizes = [(high, 64), (high, 61), (high, wide), (high, wide + 1)]
     flat = [(black_and_white(build, np.zeros(size)), Settings.default(build)) for size in sizes]
     capture = run(build, flat)
-    beats = [beat_count(size, build) // size[0] - lost // lanes for size in sizes]
-    ends = np.cumsum([row * (height - lost) for row, (height, _) in zip(beats, sizes, strict=True)])
+    rows = [beats_of_responses(build, size) for size in sizes]
+    ends = np.cumsum([sum(beats) for beats in rows])
     buffers = (1 + build.buffers_smoothed) * (build.buffering == "banked")
-    read_out = buffers * (np.array(beats) - 1)
+    read_out = buffers * (np.array([beats[0] for beats in rows]) - 1)
     more = capture.output_clocks["o"] - capture.input_clocks["samples"][ends - 1] - late - read_out
     assert (more[:2] == 0).all() and (more >= 0).all() and (more <= Thresholds(build).clocks).all()
 
@@ -121,3 +127,23 @@ def test_any_images_sizes_and_stalls(build: Build, data: st.DataObject) -> None:
     frames: list[Frame] = data.draw(st.lists(st.tuples(image, any_settings(build)), min_size=1, max_size=4))
     chance = st.sampled_from([0.0, 0.1, 0.5, 0.9])
     run(build, frames, data.draw(st.builds(Stalls, chance, chance, st.integers(0, 1000))))
+
+
+@builds
+@given(percent=st.integers(5, 99), seed=st.integers(0, 99))
+@settings(max_examples=15)
+def test_reset_in_mid_frame(build: Build, percent: int, seed: int) -> None:
+    """Candidates, counts, cells, flags and thresholds of a broken frame are gone."""
+    sizes = [(40, 41), (20, 27), (25, 46)]
+    aimed = aiming(build)
+    broken, *frames = [(noise(*size, seed + k, build), aimed) for k, size in enumerate(sizes)]
+    cut = percent * sum(beats_of_responses(build, sizes[0])) // 100
+    run_with_reset(build, broken, frames, cut, Stalls(outputs=0.3, seed=seed))
+
+
+def aiming(build: Build) -> Settings:
+    """Corners in plenty, and of the others settings as many as there are."""
+    chosen: dict[str, int] = {"target_corners": 9, "max_corners": 20} if build.budget else {}
+    if build.max_per_cell:
+        chosen |= {"cell_width": 16, "cell_height": 9, "per_cell": 1}
+    return replace(both_kinds(build), **chosen)

@@ -6,6 +6,7 @@ With several pixels per clock that way is most of what a whole detector takes to
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -112,25 +113,47 @@ def engine(build: Build) -> Engine:
 
 def run(build: Build, frames: list[Frame], stalls: Stalls | None = None) -> Capture:
     """Responses of frames through it; all that comes out is golden's."""
+    capture = engine(build).run(stimulus(build, frames, stalls or Stalls()), quiet=QUIET)
+    compare(build, frames, capture.outputs)
+    return capture
+
+
+def run_with_reset(build: Build, broken: Frame, frames: list[Frame], cut: int, stalls: Stalls) -> None:
+    """So many beats of a frame, a reset, and frames, which are as after power-on.
+
+    The reset loses the settings that are on offer, so there must be no stalls of inputs.
+    """
+    start, rest = stimulus(build, [broken], stalls), stimulus(build, frames, stalls)
+    lost = start.beats["settings"]
+    beats = {
+        "samples": np.concatenate([start.beats["samples"][:cut], rest.beats["samples"]]),
+        "settings": np.concatenate([lost, lost, rest.beats["settings"]]),
+    }
+    capture = engine(build).run(Stimulus(beats, [], stalls, reset_after=cut), quiet=QUIET)
+    last = int((capture.input_clocks["samples"][:cut]).max())
+    after = {name: words[capture.output_clocks[name] > last + 1] for name, words in capture.outputs.items()}
+    compare(build, frames, after)
+
+
+def compare(build: Build, frames: list[Frame], outputs: Mapping[str, NDArray[np.uint64]]) -> None:
+    """Assert that all that came out is golden's."""
     model = StreamModel(build)
     results = [model.process(*frame) for frame in frames]
-    capture = engine(build).run(stimulus(build, frames, stalls or Stalls()), quiet=QUIET)
-    got = unpack(counted_layout(build), capture.outputs["o"])
-    words = capture.outputs["o"].reshape(len(capture.output_clocks["o"]), -1)[:, 0]
+    got = unpack(counted_layout(build), outputs["o"])
+    words = outputs["o"].reshape(len(outputs["o"]), -1)[:, 0]
     same("records", words, np.concatenate([result.records for result in results]))
     ends = np.flatnonzero(got["last"])
     assert ends.tolist() == (np.cumsum([len(result.records) for result in results]) - 1).tolist()
-    assert capture.outputs["t1"].reshape(-1).tolist() == [result.t1 for result in results]
+    assert outputs["t1"].reshape(-1).tolist() == [result.t1 for result in results]
     if build.counts_found:
         assert got["found"][ends].tolist() == [result.found for result in results]
     if build.video_out:
         limits = [Limits(result.t1, result.t2) for result in results]
         flags = [flags_of(build, *frame, limit) for frame, limit in zip(frames, limits, strict=True)]
-        flag = unpack(corner_flag_layout(build), capture.outputs["corner_flags"])
+        flag = unpack(corner_flag_layout(build), outputs["corner_flags"])
         # an end has no column
         flag["x"] *= flag["corner"]
         same("corner_flags", pack(corner_flag_layout(build), flag), np.concatenate(flags))
-    return capture
 
 
 def flags_of(build: Build, image: Array, settings: Settings, limits: Limits) -> NDArray[np.uint64]:
