@@ -21,7 +21,7 @@ from cocotb.triggers import ClockCycles
 from golden import Parameters, Settings
 from golden.output_constructor import Records
 from golden.preprocessing import Image
-from golden.video import Event, Packet, VideoModel, VideoSettings, framed
+from golden.video import Event, Lanes, Packet, VideoModel, VideoSettings, framed
 from hdl.build import Build
 from hdl.detector import Detector
 from hdl.edges.register_map import register_map
@@ -29,7 +29,7 @@ from hdl.edges.video_detector import VideoDetector
 from tests.benches.axi_video import VideoExpectation
 from tests.benches.common import Dut, Registers, Sink, VideoSource, reset, start, watch_lite, watch_stream
 from tests.support.filters import lenient
-from tests.support.malformed import Beats, Random, texture
+from tests.support.malformed import Beats, Random, packed, texture
 
 PARAMETERS = "PARAMETERS"
 ROUNDS = int(os.environ.get("ROUNDS", "1"))
@@ -69,10 +69,14 @@ class Bench:
         Events that the model does not know of, expected in STATUS.
     input, output, video_output
         Watches of the streams.
-    least
-        Smallest side of a frame.
+    lanes
+        Pixels of a beat.
+    least, narrowest
+        Lowest and narrowest frame.
     small
-        Side of small frames that never wait: those of fewer pixels can.
+        Height, and in beats the width, of small frames that never wait: those of fewer can.
+    usual
+        Size of a frame that serves for most tests: as many beats whatever a beat holds.
     reset_at
         The clock in which the core's time was 0, as ``input`` counts clocks.
     """
@@ -88,10 +92,12 @@ class Bench:
     ) -> None:
         self.dut = dut
         self.parameters = p = Build.profile("paper", **json.loads(os.environ[PARAMETERS]))
-        self.least = p.algorithm.support
+        self.lanes = lanes = p.pixels_per_clock
+        self.least, self.narrowest = p.algorithm.support, p.min_width
         self.small = max(self.least, 15 + (p.algorithm.pixel_passes > 0))
+        self.usual = 37 * lanes - lanes // 2, 29
         self.map = {register.name: register for register in register_map(p)}
-        self.source = VideoSource(dut, share=idle)
+        self.source = VideoSource(dut, share=idle, pixel_bits=p.pixel_bits)
         self.sinks = [Sink(dut, share=stall)]
         self.registers = Registers(dut, share=bus)
         self.input, self.output = watch_stream(dut, "s_axis"), watch_stream(dut, "m_axis")
@@ -106,7 +112,7 @@ class Bench:
         self.bus_watches = watch_lite(dut, channels=("b", "r"))
         self.frame_latency = VideoDetector(p).frame_latency
         self.refinement_latency = Detector(p).refinement_latency
-        self.model = VideoModel(p)
+        self.model = VideoModel(p, lanes)
         self.shown = VideoExpectation(p)
         self.expected: list[Packet] = []
         self.extra = Event(0)
@@ -136,8 +142,7 @@ class Bench:
         self.interrupt()
         self.shown.reset()
         for sink in self.sinks:
-            while not sink.axi.empty():
-                sink.axi.recv_nowait()
+            sink.packets()
 
     async def read(self, name: str) -> int:
         return await self.registers.read(self.map[name].address)
@@ -192,8 +197,12 @@ class Bench:
             return image >> -more
         return (image.astype(np.uint16) << more) + random.integers(0, 1 << more, image.shape, np.uint16)
 
-    def squares(self, random: Random, period: int = 8) -> Image:
-        """Bright ones, one in so many pixels each way, dark between them: each has its corners."""
+    def squares(self, random: Random, period: int = 0) -> Image:
+        """Bright ones, one in so many pixels each way, dark between them: each has its corners.
+
+        By default so many that corners never wait.
+        """
+        period = period or {1: 8, 2: 12, 4: 16, 8: 23}[self.lanes]
         width, height, top = self.video.width, self.video.height, self.parameters.pixel_max
         dtype = np.uint16 if self.parameters.pixel_bits > 8 else np.uint8
         bright = random.integers(
@@ -203,9 +212,25 @@ class Bench:
         square = np.pad(np.ones((5, 5), dtype), ((less, more), (more, less)))
         return np.kron(bright, square)[:height, :width]
 
+    @property
+    def beats_of_a_line(self) -> int:
+        return -(-self.video.width // self.lanes)
+
+    @property
+    def beats_of_a_frame(self) -> int:
+        return self.beats_of_a_line * self.video.height
+
+    def whole(self, image: Image) -> Beats:
+        """The beats of a well-formed frame."""
+        return packed(framed(image), self.lanes)
+
+    def pixel(self, value: int = 0) -> int | Lanes:
+        """A beat of which all pixels are the same."""
+        return value if self.lanes == 1 else (value,) * self.lanes
+
     def send(self, beats: Beats | Image) -> None:
         """Queues beats or a well-formed frame, and expects its packet with the present settings."""
-        beats = framed(beats) if isinstance(beats, np.ndarray) else beats
+        beats = self.whole(beats) if isinstance(beats, np.ndarray) else beats
         self.source.beats(beats)
         self.expect(beats)
 
@@ -215,7 +240,7 @@ class Bench:
         self.expected += [replace(packet, begun=packet.begun + self._earlier) for packet in packets]
 
     def time(self, packet: Packet) -> int:
-        """The clock, since reset, in which the first pixel of its frame was taken."""
+        """The clock, since reset, in which the first beat of its frame was taken."""
         return self.input.times[packet.begun] - self.reset_at
 
     @property
@@ -237,11 +262,7 @@ class Bench:
 
     def received(self) -> list[Records]:
         """Packets that have come out and have not been asked for."""
-        packets = []
-        while not self.sink.axi.empty():
-            frame = self.sink.axi.recv_nowait(compact=False)
-            packets.append(np.array(frame.tdata, np.uint64))
-        return packets
+        return [np.array(packet.data, np.uint64) for packet in self.sink.packets()]
 
     async def check(self) -> None:
         """All data have come out, and nothing else; STATUS is exact, and is cleared."""
@@ -270,7 +291,7 @@ class Bench:
         self._earlier = after[0].begun if after else self.input.beats
         self.shown.interrupt(begun)
         for packet in after:
-            self.expect(framed(packet.pixels))
+            self.expect(self.whole(packet.pixels))
         return before
 
     async def check_reset(self, before: list[Packet]) -> tuple[int, bool]:
@@ -360,7 +381,8 @@ async def usual(bench: Bench, **changes: int) -> None:
     p = bench.parameters
     settings = Settings.default(p, sigma1=0.01, sigma2=lenient(p), report_rejected=True)
     send_time = bool(random.getrandbits(1))
-    await bench.configure(replace(VideoSettings(37, 29, settings, send_time=send_time), **changes))
+    video = VideoSettings(*bench.usual, settings, send_time=send_time)
+    await bench.configure(replace(video, **changes))
 
 
 def interrupted(packet: Packet) -> Packet:

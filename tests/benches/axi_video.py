@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from golden import Parameters
 from golden.output_constructor import decode_frame_end
 from golden.thresholds import choose_reference, thresholds
 from golden.video import Packet, VideoModel, VideoSettings
+from hdl.build import Build
 from tests.benches.common import Sink
 from tests.support.accepted import accepted
 from tests.support.malformed import Beats
@@ -24,15 +24,15 @@ _SOF, _CORNER = 1, 2
 
 @dataclass(frozen=True)
 class Shown:
-    """A frame at the output: beats ``(pixel, TUSER, TLAST)``.
+    """A frame at the output: beats ``(pixels, TUSER, TLAST, TKEEP)``.
 
     A cut frame has some number of the first beats.
     """
 
-    beats: NDArray[np.int64]
+    beats: NDArray[np.object_]
     cut: bool
 
-    def matches(self, beats: NDArray[np.int64]) -> bool:
+    def matches(self, beats: NDArray[np.object_]) -> bool:
         if not self.cut:
             return np.array_equal(beats, self.beats)
         return np.array_equal(beats, self.beats[: len(beats)])
@@ -47,7 +47,7 @@ class VideoExpectation:
         Cut frames of which something was shown, by the last check.
     """
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build) -> None:
         self._parameters = parameters
         self.pieces = 0
         self.reset()
@@ -81,16 +81,26 @@ class VideoExpectation:
         pixels = packet.pixels.reshape(-1)
         image = np.zeros(video.width * video.height, pixels.dtype)
         image[: len(pixels)] = pixels
+        image = image.reshape(video.height, video.width)
         limits = thresholds(video.settings, choose_reference(video.settings, self._maximum), self._parameters)
-        corners = accepted(image.reshape(video.height, video.width), limits, self._parameters).reshape(-1)
-        place = np.arange(len(image))
+        lanes, bits = self._parameters.pixels_per_clock, self._parameters.pixel_bits
+        beats = in_beats(image, lanes) @ (1 << np.arange(lanes, dtype=object) * bits)
+        corners = in_beats(accepted(image, limits, self._parameters), lanes) @ (1 << np.arange(lanes))
+        per_row = -(-video.width // lanes)
+        place = np.arange(per_row * video.height)
+        last = place % per_row == per_row - 1
+        kept = np.where(last, video.width - (per_row - 1) * lanes, lanes) * bits
+        keep = (1 << -(-kept // 8)) - 1 if lanes > 1 else np.zeros_like(kept)
         user = _SOF * (place == 0) + _CORNER * corners
-        last = place % video.width == video.width - 1
-        return Shown(np.stack([image, user, last], axis=1).astype(np.int64)[: len(pixels)], packet.cut)
+        # what came of a cut frame are whole beats
+        rows, rest = divmod(len(pixels), video.width)
+        return Shown(
+            np.stack([beats, user, last, keep], axis=1)[: rows * per_row + -(-rest // lanes)], packet.cut
+        )
 
     def check(self, sink: Sink) -> None:
         """AssertionError unless all that is expected has come, and nothing else."""
-        frames = received(sink)
+        frames = received(sink, self._parameters)
         self.pieces = len(frames) - sum(not shown.cut for shown in self.expected)
         for k, shown in enumerate(self.expected):
             if shown.cut and not (frames and shown.matches(frames[0])):
@@ -105,18 +115,27 @@ class VideoExpectation:
         self.expected.clear()
 
 
-def received(sink: Sink) -> list[NDArray[np.int64]]:
-    """Beats that have come out, frame by frame, each up to the next start of frame."""
-    beats: list[tuple[int, int, bool]] = []
-    while not sink.axi.empty():
-        line = sink.axi.recv_nowait(compact=False)
-        last = len(line.tdata) - 1
-        beats += [
-            (pixel, user, k == last)
-            for k, (pixel, user) in enumerate(zip(line.tdata, line.tuser, strict=True))
-        ]
-    everything = np.array(beats, np.int64).reshape(-1, 3)
-    starts = np.flatnonzero(everything[:, 1] & _SOF)
+def in_beats(image: NDArray[np.generic], lanes: int) -> NDArray[np.int64]:
+    """(beats, lanes): the values of an image, with 0 where a line's last beat has none."""
+    padded = np.pad(image, ((0, 0), (0, -image.shape[1] % lanes)))
+    return padded.reshape(-1, lanes).astype(np.int64)
+
+
+def received(sink: Sink, parameters: Build) -> list[NDArray[np.object_]]:
+    """Beats that have come out, frame by frame, each up to the next start of frame.
+
+    Pixels that are not there are 0.
+    """
+    several, bits = parameters.pixels_per_clock > 1, parameters.pixel_bits
+    beats: list[tuple[int, int, bool, int]] = []
+    for line in sink.packets():
+        last = len(line.data) - 1
+        for k, (pixels, user) in enumerate(zip(line.data, line.user, strict=True)):
+            keep = line.keep[k] if several else 0
+            there = keep.bit_length() * 8 // bits * bits
+            beats.append((pixels & (1 << there) - 1 if several else pixels, user, k == last, keep))
+    everything = np.array(beats, object).reshape(-1, 4)
+    starts = np.flatnonzero(everything[:, 1].astype(int) & _SOF)
     assert not len(beats) or (len(starts) and starts[0] == 0), "video out: pixels without a start of frame"
     return np.split(everything, starts[1:]) if len(beats) else []
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import cocotb
 
 from golden.preprocessing import Image
-from golden.video import Event, framed
+from golden.video import Event
 from tests.benches.axi import ROUNDS, Bench, draw, usual
 from tests.benches.common import Dut
 
@@ -72,7 +72,7 @@ async def target_corners(dut: Dut, stall: float) -> None:
             await aim(bench, target_corners=target, **drawn)
             images: list[Image] = [bench.squares(random_), bench.image(random_), bench.squares(random_)]
             bench.send(images[0])
-            bench.send(framed(images[1])[: int(random_.integers(1, images[1].size))])
+            bench.send(bench.whole(images[1])[: int(random_.integers(1, bench.beats_of_a_frame))])
             bench.send(images[1])
             bench.send(images[2])
             await bench.check()
@@ -98,7 +98,7 @@ async def reset_forgets(dut: Dut) -> None:
         await check_adapted(bench)
         if within:
             # whole lines: the source would keep the rest of one, and send it after the reset
-            bench.send(framed(first)[: 18 * bench.video.width])
+            bench.send(bench.whole(first)[: 18 * bench.beats_of_a_line])
             await bench.quiet()
         await bench.soft_reset()
         await bench.quiet()

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import cocotb
 
-from golden.video import Event, framed
+from golden.video import Event
 from tests.benches.axi import ROUNDS, Bench, draw, usual
 from tests.benches.common import Dut
 
@@ -32,7 +32,7 @@ async def strongest_of_cells(dut: Dut, stall: float) -> None:
             await bench.configure(replace(bench.video, max_records=records))
             first, second = bench.squares(random_), bench.image(random_)
             bench.send(first)
-            bench.send(framed(second)[: int(random_.integers(1, second.size))])
+            bench.send(bench.whole(second)[: int(random_.integers(1, bench.beats_of_a_frame))])
             bench.send(first)
             packet = bench.expected[-1]
             assert packet.found > len(packet.records) - 1 > 0 or per_cell == 5

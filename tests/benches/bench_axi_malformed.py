@@ -16,7 +16,7 @@ import cocotb
 from cocotb.triggers import ClockCycles, RisingEdge, Timer
 
 from golden import Settings
-from golden.video import NO_LIMIT, Event, VideoSettings, framed
+from golden.video import NO_LIMIT, Event, VideoSettings
 from tests.benches.axi import ROUNDS, Bench, cells, draw
 from tests.benches.common import Dut
 from tests.support import malformed
@@ -36,7 +36,7 @@ def row(test: Callable[[Bench, Random], Awaitable[None]]) -> Any:
         for _ in range(ROUNDS):
             await configure(bench, random_)
             await test(bench, random_)
-        print(f"{bench.input.beats} pixels, {bench.output.beats} records, {bench.input.clock} clocks")
+        print(f"{bench.input.beats} beats, {bench.output.beats} records, {bench.input.clock} clocks")
 
     run.__name__ = run.__qualname__ = test.__name__
     run.__doc__ = test.__doc__
@@ -45,7 +45,8 @@ def row(test: Callable[[Bench, Random], Awaitable[None]]) -> Any:
 
 async def configure(bench: Bench, random_: Random, **changes: int) -> None:
     p = bench.parameters
-    width, height = (int(random_.integers(bench.least, most + 1)) for most in (p.max_width, p.max_height))
+    width = int(random_.integers(bench.narrowest, p.max_width + 1))
+    height = int(random_.integers(bench.least, p.max_height + 1))
     rejected = bool(random_.integers(2))
     settings = Settings.default(p, sigma1=0.02, sigma2=selective(p), report_rejected=rejected, **cells(p))
     video = VideoSettings(width, height, settings, send_time=bool(random_.integers(2)))
@@ -54,7 +55,7 @@ async def configure(bench: Bench, random_: Random, **changes: int) -> None:
 
 def smallest(bench: Bench, random_: Random) -> VideoSettings:
     """As it is set, but for the size: hardly larger than the smallest that never waits."""
-    width = int(random_.integers(bench.small, bench.small + 5))
+    width = int(random_.integers(bench.small, bench.small + 5)) * bench.lanes - bench.lanes // 2
     return replace(bench.video, width=width, height=bench.small)
 
 
@@ -65,7 +66,7 @@ def happened(bench: Bench) -> Event:
 
 
 def frame(bench: Bench, random_: Random, fault: Fault = malformed.whole) -> Beats:
-    return fault(framed(bench.image(random_)), bench.video.width, random_)
+    return malformed.by_beats(fault, bench.image(random_), bench.lanes, random_)
 
 
 async def between(bench: Bench, random_: Random, fault: Fault, exactly: Event, perhaps: Event = NONE) -> None:
@@ -85,10 +86,10 @@ async def early_sof(bench: Bench, random_: Random) -> None:
 @row
 async def early_sof_right_after_a_frame(bench: Bench, random_: Random) -> None:
     """1, 2, 3 ... pixels after a complete frame, which comes out whole."""
-    width = bench.video.width
-    counts = [*range(1, 12), *(width + k for k in (-1, 0, 1))]
+    line = bench.beats_of_a_line
+    counts = [*range(1, 12), *(line + k for k in (-1, 0, 1))]
     if ROUNDS > 1:
-        counts = list(range(1, 3 * width))
+        counts = list(range(1, 3 * line))
     bench.video = replace(bench.video, height=bench.small)
     await bench.configure(bench.video)
     for count in counts:
@@ -172,7 +173,7 @@ async def amid(bench: Bench, random_: Random) -> None:
     """Queues a frame; returns when a part of it has been taken."""
     start = bench.input.beats
     bench.send(frame(bench, random_))
-    await bench.taken(start + int(random_.integers(5, bench.video.width * bench.video.height - 60)))
+    await bench.taken(start + int(random_.integers(5, max(6, bench.beats_of_a_frame - 60))))
 
 
 @row
@@ -191,9 +192,9 @@ async def size_changed(bench: Bench, random_: Random) -> None:
 @row
 async def size_out_of_range(bench: Bench, random_: Random) -> None:
     """Neither the frame under way nor the next one takes notice."""
-    p, least = bench.parameters, bench.least
-    over = (p.max_width + 1, 20), (20, p.max_height + 1)
-    for width, height in ((least - 1, least), (least, least - 1), *over, (0, 0)):
+    p, least, narrowest = bench.parameters, bench.least, bench.narrowest
+    over = (p.max_width + 1, 20), (narrowest, p.max_height + 1)
+    for width, height in ((narrowest - 1, least), (narrowest, least - 1), *over, (0, 0)):
         await amid(bench, random_)
         await bench.write_fields("SIZE", width=width, height=height)
         bench.send(frame(bench, random_))
@@ -201,10 +202,10 @@ async def size_out_of_range(bench: Bench, random_: Random) -> None:
         await bench.check()
 
 
-def places(pixels: int, *dense: int) -> Iterator[int]:
-    """Some steps of a sweep over so many pixels: others each time, and more around some pixels."""
+def places(beats: int, *dense: int) -> Iterator[int]:
+    """Some steps of a sweep over so many beats: others each time, and more around some beats."""
     step = 17 if ROUNDS > 1 else 61
-    yield from range(random.randrange(step), pixels, step)
+    yield from range(random.randrange(step), beats, step)
     for place in dense:
         yield from range(place - random.randrange(8), place + 30, 7)
 
@@ -214,7 +215,7 @@ async def soft_reset_anywhere(bench: Bench, random_: Random) -> None:
     """In either of two frames, the first still inside when the second begins; and after them."""
     bench.video = smallest(bench, random_)
     await bench.configure(bench.video)
-    size = bench.video.width * bench.video.height
+    size = bench.beats_of_a_frame
     kinds = set()
     for place in places(2 * size + 300, size, 2 * size):
         start = bench.input.beats
@@ -242,12 +243,14 @@ async def soft_reset_anywhere(bench: Bench, random_: Random) -> None:
 async def hard_reset_anywhere(bench: Bench, random_: Random) -> None:
     """Reset by the pin, also during accesses to registers."""
     video = smallest(bench, random_)
-    for place in places(2 * video.width * video.height + 100):
+    bench.video = video
+    size = bench.beats_of_a_frame
+    for place in places(2 * size + 100):
         await bench.configure(video)
         start = bench.input.beats
         for _ in range(2):
             bench.send(frame(bench, random_))
-        await bench.taken(start + min(place, 2 * video.width * video.height))
+        await bench.taken(start + min(place, 2 * size))
         if place % 2:
             cocotb.start_soon(bench.registers.axi.read(0, 64))
             cocotb.start_soon(bench.registers.axi.write(0x20, bytes(16)))
@@ -268,7 +271,7 @@ async def input_stopped(bench: Bench, random_: Random) -> None:
     for _ in range(4):
         bench.send(frame(bench, random_))
         start = bench.input.beats
-        size = bench.video.width * bench.video.height
+        size = bench.beats_of_a_frame
         count = int(random_.integers(5, size - 5))
         bench.send(frame(bench, random_)[:count])
         bench.send(frame(bench, random_))
@@ -340,7 +343,7 @@ async def soft_reset_while_stalled(bench: Bench, random_: Random) -> None:
     start = bench.input.beats
     await block(bench, random_, 60)
     # the last two beats wait outside of all that is reset
-    size = bench.video.width * bench.video.height
+    size = bench.beats_of_a_frame
     begun = -(-(bench.input.beats - start - 2) // size)
     # the pixels' output alone can block the first frame before it has a record
     offered = int(bench.dut.m_axis_tvalid.value)

@@ -1,7 +1,6 @@
 """Well-formed video through the core: {idle or not} x {stalled or not} x sizes, every packet exact.
 
-Without pauses also every clock: frames take width x height of them, and ends come when they are
-said to.
+Without pauses also every clock: frames take one for each beat, and ends come when they are said to.
 """
 
 from __future__ import annotations
@@ -27,12 +26,12 @@ FRAMES = 3
 
 
 def size(name: str, bench: Bench) -> tuple[int, int]:
-    p, small = bench.parameters, bench.small
+    p, small, lanes = bench.parameters, bench.small, bench.lanes
     return {
-        "least": (small, small),
+        "least": (small * lanes, small),
         "maximum": (p.max_width, p.max_height),
-        "odd": (23, small + 2),
-        "tall": (small + 1, p.max_height - 1),
+        "odd": (23 * lanes - lanes // 2, small + 2),
+        "tall": (small * lanes + 1, p.max_height - 1),
         "wide": (p.max_width - 1, small + 1),
         "photograph": (p.max_width - 3, p.max_height - 2),
     }[name]
@@ -43,7 +42,8 @@ def images(name: str, bench: Bench, random: Random) -> list[Image]:
     width, height = size(name, bench)
     if name == "photograph":
         photo = photograph("camera")
-        crops = [photo[y : y + height, x : x + width] for x, y in ((200, 60), (150, 230), (230, 100))]
+        places = ((min(x, photo.shape[1] - width), y) for x, y in ((200, 60), (150, 230), (230, 100)))
+        crops = [photo[y : y + height, x : x + width] for x, y in places]
         shift = bench.parameters.pixel_bits - 8
         return [crop.astype(np.uint16) << shift if shift > 0 else crop >> -shift for crop in crops]
     result = [bench.image(random, width, height) for _ in range(FRAMES)]
@@ -66,10 +66,10 @@ async def matrix(dut: Dut, frame_size: str, idle: float, stall: float) -> None:
     if idle or stall:
         await bench.check()
         await bench.check_results(packets[-1])
-        assert await bench.read("CLOCKS") >= width * height
+        assert await bench.read("CLOCKS") >= bench.beats_of_a_frame
     else:
-        await unhindered(bench, packets, width, height)
-    assert bench.input.beats == width * height * len(frames)
+        await unhindered(bench, packets)
+    assert bench.input.beats == bench.beats_of_a_frame * len(frames)
     assert bench.output.beats == sum(len(packet.records) for packet in packets)
     if p.video_out:
         assert bench.video_output.beats == bench.input.beats
@@ -77,32 +77,32 @@ async def matrix(dut: Dut, frame_size: str, idle: float, stall: float) -> None:
     print(f"{len(frames)} frames {width}x{height}, {bench.output.beats} beats, {bench.input.clock} clocks")
 
 
-async def unhindered(bench: Bench, packets: list[Packet], width: int, height: int) -> None:
+async def unhindered(bench: Bench, packets: list[Packet]) -> None:
     """Frames back to back: results while the next frame is under way, and all times."""
     words: list[Records] = []
     for packet in packets:
         words.append(np.array((await bench.sink.packet()).data, np.uint64))
         # the next frame's end cannot be so near that it changes them meanwhile
         await bench.check_results(packet)
-        assert await bench.read("CLOCKS") == width * height
+        assert await bench.read("CLOCKS") == bench.beats_of_a_frame
     bench.compare(words)
     await bench.check()
 
-    pixels = width * height
-    first = np.array(bench.input.times[::pixels])
-    assert (np.diff(first) == pixels).all(), f"frames begin after {np.diff(first)} clocks, not {pixels}"
-    last = np.array(bench.input.times[pixels - 1 :: pixels])
+    beats = bench.beats_of_a_frame
+    first = np.array(bench.input.times[::beats])
+    assert (np.diff(first) == beats).all(), f"frames begin after {np.diff(first)} clocks, not {beats}"
+    last = np.array(bench.input.times[beats - 1 :: beats])
     ends = np.array(bench.output.times)[np.cumsum([len(packet.records) for packet in packets]) - 1]
     # the row of cells that ends with the frame is turned over
-    least = bench.frame_latency(width) + (bench.video.settings.per_cell > 0)
+    least = bench.frame_latency(bench.video.width) + (bench.video.settings.per_cell > 0)
     for packet, latency in zip(packets, ends - last, strict=True):
         assert least <= latency <= least + bench.refinement_latency, (latency, least)
-        if not waits(packet, bench, width, height):
+        if not waits(packet, bench):
             assert latency == least, f"end of frame after {latency} clocks instead of {least}"
-    assert not waits(packets[-1], bench, width, height) or len(packets) == FRAMES
+    assert not waits(packets[-1], bench) or len(packets) == FRAMES
 
 
-def waits(packet: Packet, bench: Bench, width: int, height: int) -> bool:
+def waits(packet: Packet, bench: Bench) -> bool:
     """May corners be under way still when a frame's last pixel comes?"""
     if packet.found < 1 or len(packet.records) < 2:
         return False
@@ -113,8 +113,8 @@ def waits(packet: Packet, bench: Bench, width: int, height: int) -> bool:
     y = (records >> COORDINATE_BITS & ((1 << COORDINATE_BITS) - 1)) >> OFFSET_BITS
     # half a pixel either way does not matter
     margin = bench.parameters.algorithm.margin
-    decided = (y + 1 + margin) * width + x + 1 + margin
-    return bool((decided > width * height - bench.refinement_latency).any())
+    decided = (y + 1 + margin) * bench.beats_of_a_line + (x + 1 + margin) // bench.lanes
+    return bool((decided > bench.beats_of_a_frame - bench.refinement_latency).any())
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

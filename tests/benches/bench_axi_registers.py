@@ -15,7 +15,7 @@ from cocotbext.axi import AxiResp
 
 from golden.algorithm import PROFILES
 from golden.version import VERSION
-from golden.video import Event, framed
+from golden.video import Event
 from sim.cocotb_bench import CLOCK_NS
 from tests.benches.axi import ROUNDS, Bench, draw, usual
 from tests.benches.common import Dut, watch_lite
@@ -71,7 +71,7 @@ def reset_values(bench: Bench) -> dict[int, int]:
     return {
         0x00: 0x434F_524E,
         0x04: sum(int(part) << 8 * k for k, part in enumerate(reversed(VERSION.split(".")))),
-        0x08: 1
+        0x08: p.pixels_per_clock
         | p.pixel_bits << 4
         | sum(flag << bit for bit, flag in flags.items())
         | profile << 16
@@ -135,8 +135,9 @@ async def bytes_of_registers(dut: Dut, bus: float) -> None:
             # not the reset
             data = bytes(byte & ~(2 if low + k == 0 else 0) for k, byte in enumerate(data))
         if address == SIZE:
-            p, least = bench.parameters, bench.least
-            size = random.randrange(least, p.max_height + 1) << 16 | random.randrange(least, p.max_width + 1)
+            p = bench.parameters
+            height = random.randrange(bench.least, p.max_height + 1)
+            size = height << 16 | random.randrange(bench.narrowest, p.max_width + 1)
             data = size.to_bytes(4, "little")[low : low + count]
             # of a part nobody can tell whether it is in range
             value = size if count == 4 else contents[address]
@@ -188,8 +189,17 @@ async def asked_in_reset(dut: Dut) -> None:
         pin.value = 1
     for name, value in (("awaddr", 0x20), ("wdata", 0x1234), ("wstrb", 15), ("araddr", 0)):
         getattr(dut, f"s_axil_{name}").value = value
-    for name in ("s_axis_tdata", "s_axis_tuser", "s_axis_tlast", "s_axil_awprot", "s_axil_arprot"):
-        getattr(dut, name).value = 0
+    others = (
+        "s_axis_tdata",
+        "s_axis_tkeep",
+        "s_axis_tuser",
+        "s_axis_tlast",
+        "s_axil_awprot",
+        "s_axil_arprot",
+    )
+    for name in others:
+        if hasattr(dut, name):
+            getattr(dut, name).value = 0
     for name in ("s_axil_bready", "s_axil_rready", "m_axis_tready", "m_axis_video_tready"):
         if hasattr(dut, name):
             getattr(dut, name).value = 1
@@ -224,18 +234,18 @@ async def size_refused(dut: Dut) -> None:
     """Out of range in either half: nothing changes, and a bit of STATUS says so."""
     bench = Bench(dut)
     await bench.start()
-    p, least = bench.parameters, bench.least
-    good = (p.max_height - 1) << 16 | 16
+    p, least, narrowest = bench.parameters, bench.least, bench.narrowest
+    good = (p.max_height - 1) << 16 | p.max_width - 1
     await bench.registers.write(SIZE, good)
     await bench.check_events(Event(0))
-    bad = [(least - 1, least), (least, least - 1), (p.max_width + 1, least), (least, p.max_height + 1)]
-    bad += [(0, 0), (65535, 65535), (0, 20), (20, 0), (least + 256, least), (least, least + 1024)]
-    bad += [(32768, least)]
+    bad = [(narrowest - 1, least), (narrowest, least - 1), (p.max_width + 1, least)]
+    bad += [(narrowest, p.max_height + 1), (0, 0), (65535, 65535), (0, 20), (narrowest, 0)]
+    bad += [(narrowest + 1024, least), (narrowest, least + 1024), (32768, least)]
     for width, height in bad:
         await bench.registers.write(SIZE, height << 16 | width)
         await bench.hold({SIZE: good})
         await bench.check_events(Event.SIZE_REFUSED)
-    for width, height in ((least, least), (p.max_width, p.max_height)):
+    for width, height in ((narrowest, least), (p.max_width, p.max_height)):
         await bench.registers.write(SIZE, height << 16 | width)
         await bench.hold({SIZE: height << 16 | width})
         await bench.check_events(Event(0))
@@ -249,12 +259,13 @@ async def interrupts(dut: Dut) -> None:
     await usual(bench)
     for _ in range(ROUNDS):
         image = bench.squares(draw())
-        beats, last = framed(image), image.shape[1] - 1
+        beats, last, dark = bench.whole(image), bench.beats_of_a_line - 1, bench.pixel()
         # a long line; a frame, and another cut by the end of a line; pixels that belong to none
-        bench.send([*beats[:last], (1, False, False), (2, False, True), *beats[last + 1 :]])
-        bench.send([*beats[: last // 2], (0, False, True)])
+        pixels, sof, _ = beats[last]
+        bench.send([*beats[:last], (pixels, sof, False), (dark, False, True), *beats[last + 1 :]])
+        bench.send([*beats[: last // 2], (dark, False, True)])
         bench.send(image)
-        bench.send([(0, False, True)])
+        bench.send([(dark, False, True)])
         await bench.registers.write(SIZE, 0)
         await bench.quiet()
         happened = Event.FRAME_DONE | Event.FRAME_CUT | Event.SOF_LATE | Event.EOL_EARLY | Event.EOL_LATE

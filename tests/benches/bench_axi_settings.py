@@ -10,7 +10,7 @@ from cocotb.triggers import ClockCycles
 from cocotbext.axi import AxiResp
 
 from golden import Settings
-from golden.video import Event, VideoSettings, framed
+from golden.video import Event, VideoSettings
 from tests.benches.axi import ROUNDS, Bench, draw, usual
 from tests.benches.bench_axi_registers import CONTROL, IRQ_ENABLE, READ_ONLY, SIZE, STATUS, TIMEOUT
 from tests.benches.common import Dut
@@ -48,7 +48,7 @@ async def soft_reset(dut: Dut) -> None:
     await bench.start()
     p = bench.parameters
     settings = Settings.default(p, sigma1=0.01, sigma2=lenient(p), constant=321, floor=7)
-    await bench.configure(VideoSettings(31, 23, settings, max_records=1000))
+    await bench.configure(VideoSettings(31 * bench.lanes, 23, settings, max_records=1000))
     await bench.registers.write(IRQ_ENABLE, int(Event.FRAME_DONE))
     await bench.registers.write(TIMEOUT, 12345)
     kept = {
@@ -60,9 +60,10 @@ async def soft_reset(dut: Dut) -> None:
         # the next frame's first pixel does not wait
         await bench.quiet()
     packet = bench.expected[-1]
-    clocks = bench.input.times[-1] - bench.input.times[-image.size] + 1
+    beats = bench.beats_of_a_frame
+    clocks = bench.input.times[-1] - bench.input.times[-beats] + 1
     # a gradient step holds up frames as narrow as these
-    assert clocks == image.size or (clocks > image.size and p.algorithm.fit == "gradient")
+    assert clocks == beats or (clocks > beats and p.algorithm.fit == "gradient")
     await bench.check_results(packet)
     bench.compare(bench.received())
     assert bench.irq
@@ -94,9 +95,9 @@ async def enable(dut: Dut) -> None:
     await bench.hold({0x40: 0})
     for _ in range(1 + ROUNDS):
         await usual(bench)
-        start, image = bench.input.beats, bench.squares(draw())
-        bench.send(image)
-        await bench.taken(start + random.randrange(10, image.size - 60))
+        start = bench.input.beats
+        bench.send(bench.squares(draw()))
+        await bench.taken(start + random.randrange(10, bench.beats_of_a_frame - 60))
         await bench.enable(False)
         await bench.source.done()
         # these are in the hardware's eyes, and the model's, without beginning
@@ -172,8 +173,8 @@ async def ends_wait(dut: Dut) -> None:
     await bench.start()
     await usual(bench, max_records=0)
     await bench.registers.write(IRQ_ENABLE, int(Event.FRAME_DONE | Event.FRAME_CUT))
-    whole = framed(bench.squares(draw()))
-    for beats in (whole, [*whole[:10], (0, False, True)]):
+    whole = bench.whole(bench.squares(draw()))
+    for beats in (whole, [*whole[:10], (bench.pixel(), False, True)]):
         bench.sink.axi.pause = True
         bench.send(beats)
         # corners can hold up the input, but not the end for longer than that after it
@@ -202,10 +203,10 @@ async def output_stalled(dut: Dut) -> None:
         for timeout in (0, 30, 200):
             await bench.registers.write(TIMEOUT, timeout)
             sink.axi.pause = True
-            image = bench.squares(draw())
-            bench.send(image)
+            bench.send(bench.squares(draw()))
             # the first beat: nothing holds up the input before it
-            await until(lambda valid=valid: bool(valid.value), dut, image.size + bench.longest)
+            most = bench.beats_of_a_frame + bench.longest
+            await until(lambda valid=valid: bool(valid.value), dut, most)
             if timeout:
                 clocks = await until(lambda: bool(bench.irq), dut, timeout + 10)
                 assert timeout <= clocks <= timeout + 5, clocks

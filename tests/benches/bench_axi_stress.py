@@ -103,7 +103,7 @@ class Traffic:
         self.count["refused writes"] += 1
 
     async def _size(self) -> None:
-        await self._bench.write_fields("SIZE", width=random.randrange(self._bench.least), height=20)
+        await self._bench.write_fields("SIZE", width=random.randrange(self._bench.narrowest), height=20)
         self._bench.extra |= Event.SIZE_REFUSED
         self.count["sizes out of range"] += 1
 
@@ -117,7 +117,7 @@ def frames(bench: Bench, random_: Random, count: int) -> Video:
         if k < count - 1 and random_.random() < 0.5:
             fault = kinds[int(random_.integers(len(kinds)))]
         image = bench.image(random_) if random_.integers(2) else bench.squares(random_)
-        video.add(image, fault, random_)
+        video.add(image, fault, random_, bench.lanes)
     return video
 
 
@@ -131,7 +131,7 @@ async def stress(dut: Dut) -> None:
     packets = cut = 0
     for _ in range(PARTS):
         width, height = (
-            int(random_.integers(bench.least, p.max_width + 1)),
+            int(random_.integers(bench.narrowest, p.max_width + 1)),
             int(random_.integers(bench.least, p.max_height + 1)),
         )
         settings = Settings.default(
@@ -167,7 +167,7 @@ async def stress(dut: Dut) -> None:
     video_out = f", {bench.video_output.stalls} at the video output" if p.video_out else ""
     print(
         f"tried {FRAMES} frames: {kinds}; {packets} packets, {cut} of them cut; "
-        f"{beats} pixels in, {bench.output.beats} records out in {clocks} clocks; "
+        f"{beats} beats in, {bench.output.beats} records out in {clocks} clocks; "
         f"pauses drawn {pauses.drawn} times: {clocks - beats - stalls} clocks idle, "
         f"{bench.output.stalls} stalled at the output{video_out}, {stalls} held up at the input; {accesses}"
     )

@@ -15,7 +15,7 @@ from tests.benches.axi import ROUNDS, Bench, draw
 from tests.benches.common import Dut
 from tests.support import malformed
 from tests.support.filters import strict
-from tests.support.malformed import Random, framed
+from tests.support.malformed import Random
 
 
 async def configure(bench: Bench, random_: Random, width: int, height: int, **changes: int) -> None:
@@ -37,7 +37,11 @@ async def corners_are_marked(dut: Dut) -> None:
             bench.send(image)
         records = np.concatenate([packet.records for packet in bench.expected])
         accepted = int(decode(records).accepted.sum())
-        marks = sum(int((shown.beats[:, 1] >> 1).sum()) for shown in bench.shown.expected)
+        marks = sum(
+            int(user).bit_count() - (k == 0)
+            for shown in bench.shown.expected
+            for k, user in enumerate(shown.beats[:, 1])
+        )
         rejected = len(decode(records)) - accepted
         assert 0 < accepted == marks and (rejected > 0) == (p.algorithm.texture != "none")
         await bench.check()
@@ -61,12 +65,12 @@ async def full_rate(dut: Dut) -> None:
         bench.send(bench.image(random_) if many else bench.squares(random_, 16))
     assert many or all(packet.found for packet in bench.expected)
     await bench.check()
-    pixels = p.max_width * p.max_height
-    assert np.diff(bench.input.times[::pixels]).tolist() == [pixels] * 3
+    beats = bench.beats_of_a_frame
+    assert np.diff(bench.input.times[::beats]).tolist() == [beats] * 3
     # some pixels of the very first frame come out at once, because they can have no flag
-    assert np.diff(bench.video_output.times[::pixels][1:]).tolist() == [pixels] * 2
+    assert np.diff(bench.video_output.times[::beats][1:]).tolist() == [beats] * 2
     assert not bench.input.stalls
-    assert await bench.read("CLOCKS") == pixels
+    assert await bench.read("CLOCKS") == beats
 
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
@@ -76,7 +80,11 @@ async def three_streams(dut: Dut, idle: float, stall: float, video_stall: float)
     bench, random_ = Bench(dut, idle=idle, stall=stall, video_stall=video_stall), draw()
     await bench.start()
     p = bench.parameters
-    for width, height in ((bench.least, bench.least), (p.max_width, 17), (21, p.max_height)):
+    for width, height in (
+        (bench.narrowest, bench.least),
+        (p.max_width, 17),
+        (21 * bench.lanes, p.max_height),
+    ):
         await configure(bench, random_, width, height)
         for _ in range(1 + ROUNDS):
             bench.send(bench.image(random_))
@@ -115,12 +123,12 @@ async def malformed_video(dut: Dut, stall: float) -> None:
     for fault in (malformed.early_sof, malformed.short_line, malformed.long_line, malformed.no_eol):
         for _ in range(ROUNDS):
             bench.send(bench.image(random_))
-            bench.send(fault(framed(bench.image(random_)), bench.video.width, random_))
+            bench.send(malformed.by_beats(fault, bench.image(random_), bench.lanes, random_))
             bench.send(bench.image(random_))
             await bench.check()
             pieces += bench.shown.pieces
     bench.send(bench.image(random_))
-    bench.send(framed(bench.image(random_))[:-1])
+    bench.send(bench.whole(bench.image(random_))[:-1])
     bench.send(bench.image(random_))
     assert bench.model.events == Event.FRAME_DONE | Event.FRAME_CUT | Event.SOF_EARLY
     await bench.check()

@@ -28,7 +28,9 @@ from cocotbext.axi import (
 )
 from numpy.typing import NDArray
 
+from golden.video import Lanes
 from sim.cocotb_bench import CLOCK_NS
+from tests.support.malformed import Beats, places
 
 Dut = Any
 """The top module: what it has as attributes shows at run time only."""
@@ -71,14 +73,18 @@ class VideoSource:
     ----------
     share
         Share of the clocks with a pause.
+    pixel_bits
+        Width of a pixel where a beat has several.
     """
 
-    def __init__(self, dut: Dut, prefix: str = "s_axis", share: float = 0) -> None:
+    def __init__(self, dut: Dut, prefix: str = "s_axis", share: float = 0, pixel_bits: int = 8) -> None:
         _quieten(dut, prefix)
-        # one "byte" as wide as a pixel
-        self.axi = AxiStreamSource(AxiStreamBus.from_prefix(dut, prefix), dut.clk, dut.rst, byte_lanes=1)
+        self._several, self._bits = hasattr(dut, f"{prefix}_tkeep"), pixel_bits
+        self.axi = AxiStreamSource(
+            AxiStreamBus.from_prefix(dut, prefix), dut.clk, dut.rst, **_bytes_of_a_beat(dut, prefix)
+        )
         _pause(share, self.axi)
-        self._begun: list[tuple[int, bool]] = []
+        self._begun: list[tuple[list[int], list[int], int]] = []
 
     def frame(self, image: NDArray[np.uint8]) -> None:
         """Queues a whole frame, (height, width)."""
@@ -90,18 +96,22 @@ class VideoSource:
         # what is missing of TUSER is as its last
         self.axi.send_nowait(AxiStreamFrame(pixels, tuser=[1, 0] if first else 0))
 
-    def beats(self, beats: Iterable[tuple[int, bool, bool]]) -> None:
-        """Queues pixels marked in any way, ``(pixel, start of frame, end of line)``.
+    def beats(self, beats: Beats) -> None:
+        """Queues beats marked in any way, ``(pixels, start of frame, end of line)``.
 
         A packet has its TLAST at its end, so those after the last end of line stay here until more
         come.
         """
-        for pixel, sof, eol in beats:
-            self._begun.append((pixel, sof))
+        for pixels, sof, eol in beats:
+            data, keep = _in_bytes(places(pixels), self._bits) if self._several else ([pixels], [1])
+            self._begun.append((data, keep, int(sof)))
             if eol:
-                pixels, sofs = zip(*self._begun, strict=True)
+                data, keep, user = (
+                    [value for beat in self._begun for value in part(beat)]
+                    for part in (lambda b: b[0], lambda b: b[1], lambda b: [b[2]] * len(b[0]))
+                )
                 self._begun = []
-                self.axi.send_nowait(AxiStreamFrame(list(pixels), tuser=[int(sof) for sof in sofs]))
+                self.axi.send_nowait(AxiStreamFrame(data, tkeep=keep, tuser=user))
 
     def clear(self) -> None:
         """Forgets what is queued; a line that has begun goes on, unless there is a reset."""
@@ -113,11 +123,33 @@ class VideoSource:
         await self.axi.wait()
 
 
+def _bytes_of_a_beat(dut: Dut, prefix: str) -> dict[str, int]:
+    """Without TKEEP a beat is one "byte" as wide as TDATA: packets of beats, not of bytes."""
+    return {} if hasattr(dut, f"{prefix}_tkeep") else {"byte_lanes": 1}
+
+
+def _in_bytes(pixels: Lanes, bits: int) -> tuple[list[int], list[int]]:
+    """TDATA and TKEEP of a beat, byte by byte; what is not there may hold anything.
+
+    A pixel is there if the byte with its last bit is. A byte without any pixel's last bit is there
+    if the pixel in it is.
+    """
+    word = sum(
+        (random.getrandbits(bits) if pixel is None else pixel) << lane * bits
+        for lane, pixel in enumerate(pixels)
+    )
+    ends = [((lane + 1) * bits - 1) // 8 for lane in range(len(pixels))]
+    there = [end for end, pixel in zip(ends, pixels, strict=True) if pixel is not None]
+    keep = [min((end for end in ends if end >= byte), default=-1) in there for byte in range(ends[-1] + 1)]
+    return [*word.to_bytes(ends[-1] + 1, "little")], [int(kept) for kept in keep]
+
+
 class Packet(NamedTuple):
-    """Beats up to TLAST: their TDATA, and TUSER where there is one."""
+    """Beats up to TLAST: their TDATA, and TUSER and TKEEP where there are any."""
 
     data: list[int]
     user: list[int]
+    keep: list[int]
 
 
 class Sink:
@@ -131,14 +163,33 @@ class Sink:
 
     def __init__(self, dut: Dut, prefix: str = "m_axis", share: float = 0) -> None:
         _quieten(dut, prefix)
-        # one "byte" as wide as a beat: packets of beats, not of bytes
-        self.axi = AxiStreamSink(AxiStreamBus.from_prefix(dut, prefix), dut.clk, dut.rst, byte_lanes=1)
+        self.axi = AxiStreamSink(
+            AxiStreamBus.from_prefix(dut, prefix), dut.clk, dut.rst, **_bytes_of_a_beat(dut, prefix)
+        )
+        self._bytes = self.axi.byte_lanes
         _pause(share, self.axi)
 
     async def packet(self) -> Packet:
         """The next packet, once it is complete."""
-        frame = await self.axi.recv(compact=False)
-        return Packet(list(frame.tdata), list(frame.tuser))
+        return self._packet(await self.axi.recv(compact=False))
+
+    def packets(self) -> list[Packet]:
+        """Those that are complete and have not been asked for."""
+        taken = []
+        while not self.axi.empty():
+            taken.append(self._packet(self.axi.recv_nowait(compact=False)))
+        return taken
+
+    def _packet(self, frame: AxiStreamFrame) -> Packet:
+        each = self._bytes
+        if each == 1:
+            return Packet(list(frame.tdata), list(frame.tuser), list(frame.tkeep))
+        starts = range(0, len(frame.tdata), each)
+        return Packet(
+            [int.from_bytes(frame.tdata[k : k + each], "little") for k in starts],
+            list(frame.tuser[::each]),
+            [sum(kept << byte for byte, kept in enumerate(frame.tkeep[k : k + each])) for k in starts],
+        )
 
     @property
     def empty(self) -> bool:

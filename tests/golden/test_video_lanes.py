@@ -8,7 +8,7 @@ import pytest
 from golden import Parameters, Settings
 from golden.preprocessing import Image
 from golden.video import Event, Packet, VideoModel, VideoSettings, framed
-from tests.support.malformed import LaneBeats, packed
+from tests.support.malformed import Beats, packed
 
 WIDTH, HEIGHT, LANES = 37, 28, 4
 PER_ROW = 10
@@ -25,12 +25,12 @@ def image(seed: int, width: int = WIDTH) -> Image:
 FIRST, SECOND = packed(framed(image(0)), LANES), packed(framed(image(1)), LANES)
 
 
-def feed(*parts: LaneBeats, video: VideoSettings = VIDEO) -> tuple[list[Packet], Event]:
+def feed(*parts: Beats, video: VideoSettings = VIDEO) -> tuple[list[Packet], Event]:
     model = VideoModel(PARAMETERS, LANES)
     return [packet for part in parts for packet in model.feed(part, video)], model.events
 
 
-def keeping(beats: LaneBeats, place: int, kept: str) -> LaneBeats:
+def keeping(beats: Beats, place: int, kept: str) -> Beats:
     """One beat has pixels where there is a 1, from the left."""
     pixels, sof, eol = beats[place]
     changed = tuple((pixel or 0) if k == "1" else None for pixel, k in zip(pixels, kept, strict=True))

@@ -48,6 +48,18 @@ BUILDS = {
         min_cell_width=10,
         **SMALL,
     ),
+    "everything-4": Build.profile(
+        "robust",
+        pixels_per_clock=4,
+        response_filter="none",
+        budget=True,
+        suppression=2,
+        max_per_cell=5,
+        min_cell_width=10,
+        video_out=True,
+        max_width=160,
+        max_height=32,
+    ),
     "mixture": Build.profile(
         "paper",
         pixel_bits=10,

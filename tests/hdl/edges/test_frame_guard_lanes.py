@@ -15,7 +15,7 @@ from hdl.build import Build
 from hdl.edges.frame_guard import GUARD_EVENTS, FrameGuard
 from tests.hdl.edges.bench import counted, simulate
 from tests.support.builds import each
-from tests.support.malformed import FAULTS, LaneBeats, Random, hollow, packed, whole
+from tests.support.malformed import FAULTS, Beats, Random, hollow, packed, whole
 
 LANES = each("lanes", {"2": 2, "4": 4, "8": 8}, quick=("4",))
 HEIGHT = 15
@@ -32,7 +32,7 @@ def image(width: int, seed: int = 0) -> Any:
 class Run:
     """A guard that is fed with pauses on both sides, and what came of it."""
 
-    def __init__(self, dut: FrameGuard, width: int, beats: LaneBeats, seed: int, **control: int) -> None:
+    def __init__(self, dut: FrameGuard, width: int, beats: Beats, seed: int, **control: int) -> None:
         self.frames: list[list[tuple[tuple[int, ...], int, int]]] = []
         self.seen: Counter[str] = Counter()
         self._dut, self._random, self._waited = dut, np.random.default_rng(seed), 0
@@ -78,9 +78,7 @@ class Run:
         return taken
 
 
-def expected(
-    p: Build, beats: LaneBeats, video: VideoSettings
-) -> tuple[list[Packet], Counter[str], list[int]]:
+def expected(p: Build, beats: Beats, video: VideoSettings) -> tuple[list[Packet], Counter[str], list[int]]:
     """Packets, how often each event comes, and pixels of a frame that has not ended."""
     model, packets, seen = VideoModel(p, p.pixels_per_clock), [], Counter[str]()
     for beat in beats:
@@ -90,7 +88,7 @@ def expected(
     return packets, seen, model._pixels * model.active
 
 
-def compare(p: Build, width: int, beats: LaneBeats, seed: int, **control: Any) -> Counter[str]:
+def compare(p: Build, width: int, beats: Beats, seed: int, **control: Any) -> Counter[str]:
     """Feed these, and compare all that comes out with the model; returns the events."""
     video = VideoSettings(width, HEIGHT, Settings(), **control)
     packets, seen, rest = expected(p, beats, video)
@@ -128,7 +126,7 @@ def test_beats_and_events(fault: Any, lanes: int) -> None:
 
 
 def last_beat(change: Callable[[list[int | None]], list[int | None]], row: int) -> Any:
-    def edit(beats: LaneBeats, per_row: int) -> LaneBeats:
+    def edit(beats: Beats, per_row: int) -> Beats:
         place = row * per_row + per_row - 1
         pixels, sof, eol = beats[place]
         return [*beats[:place], (tuple(change(list(pixels))), sof, eol), *beats[place + 1 :]]
@@ -184,7 +182,7 @@ def test_framing_at_random(lanes: int) -> None:
     happened: Counter[str] = Counter()
     for number in range(6):
         width = int(random.integers(build(lanes).min_width, 46))
-        beats: LaneBeats = []
+        beats: Beats = []
         for _ in range(6):
             fault = faults[int(random.integers(len(faults)))]
             part = packed(fault(framed(image(width, number)), width, random), lanes)
