@@ -19,7 +19,10 @@ ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "reference" / "edges.md").read_text(encoding="utf-8")
 PROSE = " ".join(PAGE.split())
 """The page as one line, wherever its lines are broken."""
-BENCH = (ROOT / "tests" / "benches" / "bench_axi_malformed.py").read_text(encoding="utf-8")
+BENCH = "".join(
+    (ROOT / "tests" / "benches" / f"bench_axi_{name}.py").read_text(encoding="utf-8")
+    for name in ("malformed", "lanes")
+)
 
 
 def section(title: str) -> str:

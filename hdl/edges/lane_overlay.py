@@ -17,8 +17,8 @@ from hdl.parts.probes import probe
 from hdl.parts.queue import Queue
 from hdl.sample import pixels_shape
 
-_BEATS = 384
-"""Further beats that come until a row's last candidate is decided: the ring, and a reserve."""
+_RESERVE = 128
+"""Beats that come while a row's last candidate is decided, beside those that its ring can hold."""
 
 
 class LaneOverlay(wiring.Component):
@@ -65,7 +65,7 @@ class LaneOverlay(wiring.Component):
         """Beats that it holds."""
         # a row's end is told one row after the flags of its first window could be
         rows = self._build.algorithm.margin + 1 + self._build.rows_late
-        return rows * self._build.beats + _BEATS
+        return rows * self._build.beats + self._build.ring_beats + _RESERVE
 
     @property
     def memory_bits(self) -> int:

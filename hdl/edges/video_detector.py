@@ -224,7 +224,9 @@ class VideoDetector(wiring.Component):
         ]
         wiring.connect(m, detector.corner_flags, overlay.corner_flags)
         wiring.connect(m, overlay.o, wiring.flipped(self.overlay))
-        return overlay.i.ready, self._in_flight(m, "shown", overlay.done, restart) == 0
+        shown = self._in_flight(m, "shown", overlay.done, restart)
+        probe(self, shown=shown)
+        return overlay.i.ready, shown == 0
 
     def _feed(self, m: Module, room: Value) -> None:
         """The guard's pixels into the detector, where there is room for them elsewhere, too."""

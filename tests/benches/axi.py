@@ -313,7 +313,13 @@ class Bench:
             shown = f"{packet.frame}: {[hex(word) for word in words]}"
             assert not cut or interrupted(packet).matches(words, clock), shown
         assert early <= len(before), f"{early} packets before the reset instead of {len(before)} at most"
-        self.model.events = Event.FRAME_DONE | (Event.FRAME_CUT if cut else Event(0))
+        complete = [*before[: early - cut], *self.expected]
+        surplus = any(packet.found >= len(packet.records) for packet in complete)
+        self.model.events = (
+            Event.FRAME_DONE
+            | (Event.FRAME_CUT if cut else Event(0))
+            | (Event.RECORDS_DROPPED if surplus else Event(0))
+        )
         self.compare(got[early:])
         await self.check()
         return early, cut

@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.output_constructor import decode_frame_end
-from golden.thresholds import choose_reference, thresholds
+from golden.frame import Frame, History
 from golden.video import Packet, VideoModel, VideoSettings
 from hdl.build import Build
 from tests.benches.common import Sink
@@ -54,7 +53,7 @@ class VideoExpectation:
 
     def reset(self) -> None:
         self.expected: list[Shown] = []
-        self._maximum: int | None = None
+        self._history = History()
         self._begun: VideoSettings | None = None
 
     def interrupt(self, begun: int | None = None) -> None:
@@ -70,8 +69,6 @@ class VideoExpectation:
         packets = model.feed(beats, video)
         for packet in packets if self._parameters.video_out else ():
             self.expected.append(self._shown(packet, self._begun or video))
-            if not packet.cut:
-                self._maximum = decode_frame_end(int(packet.records[-1])).maximum
             self._begun = None
         if model.active and self._begun is None:
             self._begun = video
@@ -82,10 +79,16 @@ class VideoExpectation:
         image = np.zeros(video.width * video.height, pixels.dtype)
         image[: len(pixels)] = pixels
         image = image.reshape(video.height, video.width)
-        limits = thresholds(video.settings, choose_reference(video.settings, self._maximum), self._parameters)
+        frame, settings = Frame(image, self._parameters, video.settings), video.settings
+        _, limits = frame.thresholds(self._history)
+        if not packet.cut:
+            self._history = frame.next_history(limits, self._history)
+        marked = accepted(image, limits, self._parameters)
+        if settings.max_corners and not settings.per_cell:
+            marked &= marked.cumsum().reshape(marked.shape) <= settings.max_corners
         lanes, bits = self._parameters.pixels_per_clock, self._parameters.pixel_bits
         beats = in_beats(image, lanes) @ (1 << np.arange(lanes, dtype=object) * bits)
-        corners = in_beats(accepted(image, limits, self._parameters), lanes) @ (1 << np.arange(lanes))
+        corners = in_beats(marked, lanes) @ (1 << np.arange(lanes))
         per_row = -(-video.width // lanes)
         place = np.arange(per_row * video.height)
         last = place % per_row == per_row - 1

@@ -30,7 +30,7 @@ async def strongest_of_cells(dut: Dut, stall: float) -> None:
             cells = {"cell_width": width, "cell_height": height, "per_cell": per_cell}
             await choose(bench, **cells, max_corners=limit)
             await bench.configure(replace(bench.video, max_records=records))
-            first, second = bench.squares(random_), bench.image(random_)
+            first, second = bench.squares(random_, 8), bench.image(random_)
             bench.send(first)
             bench.send(bench.whole(second)[: int(random_.integers(1, bench.beats_of_a_frame))])
             bench.send(first)

@@ -17,6 +17,9 @@ from tests.support import malformed
 from tests.support.filters import strict
 from tests.support.malformed import Random
 
+LAST_CORNER = 40
+"""Clocks by which it can be later, or sooner, than in another frame."""
+
 
 async def configure(bench: Bench, random_: Random, width: int, height: int, **changes: int) -> None:
     p = bench.parameters
@@ -67,8 +70,10 @@ async def full_rate(dut: Dut) -> None:
     await bench.check()
     beats = bench.beats_of_a_frame
     assert np.diff(bench.input.times[::beats]).tolist() == [beats] * 3
-    # some pixels of the very first frame come out at once, because they can have no flag
-    assert np.diff(bench.video_output.times[::beats][1:]).tolist() == [beats] * 2
+    # some pixels of the very first frame come out at once, because they can have no flag; where a
+    # beat has several, a frame's first one waits for the last corner of the frame before
+    late = np.diff(bench.video_output.times[::beats][1:]) - beats
+    assert (abs(late) <= (bench.lanes > 1) * LAST_CORNER).all(), late
     assert not bench.input.stalls
     assert await bench.read("CLOCKS") == beats
 

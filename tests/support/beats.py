@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from tests.support.blocks import Array
 
@@ -48,3 +49,10 @@ def in_beats(
         beats.append(noise.reshape(shape))
         counting.append(counts.reshape(shape))
     return beats, counting
+
+
+def in_words(values: Sequence[int]) -> NDArray[np.uint64]:
+    """Payloads as the engines take them: 64 bits and, where there are more, the rest."""
+    wide = max(values) >> 64 > 0
+    halves = [[value & (1 << 64) - 1, value >> 64][: 1 + wide] for value in values]
+    return np.array(halves, np.uint64).squeeze(axis=() if wide else 1)

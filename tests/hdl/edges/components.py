@@ -9,22 +9,23 @@ from amaranth.hdl import Module
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from golden import Parameters
 from golden.output_constructor import COUNT_BITS, Records
 from golden.video import NO_LIMIT
+from hdl.build import Build
 from hdl.edges.frame_guard import arriving_layout
 from hdl.edges.overlay import overlay_layout
 from hdl.edges.video_detector import VideoDetector
 from hdl.output_constructor import record_layout
 from hdl.thresholds import settings_layout
 from sim import Capture
-from tests.support.malformed import Beats
+from tests.support.beats import in_words
+from tests.support.malformed import Beats, places
 
 
 class PlainVideoDetector(wiring.Component):
-    """``VideoDetector`` whose control is one plain input per field, without reset."""
+    """``VideoDetector`` with a plain input for each field of its control, without reset."""
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Build, **more: wiring.Member) -> None:
         self._parameters = p = parameters
         self.dut = VideoDetector(p)
         super().__init__(
@@ -39,6 +40,7 @@ class PlainVideoDetector(wiring.Component):
                 "height": In(range(p.max_height + 1)),
                 "max_records": In(COUNT_BITS, init=NO_LIMIT),
                 **{str(name): In(field.shape) for name, field in settings_layout(p)},
+                **more,
             }
         )
 
@@ -56,10 +58,17 @@ class PlainVideoDetector(wiring.Component):
         return m
 
 
-def payloads(beats: Beats, parameters: Parameters) -> np.ndarray:
-    """Payloads of the video stream."""
-    bits = parameters.pixel_bits
-    return np.array([p | s << bits | e << (bits + 1) for p, s, e in beats], np.uint64)
+def payloads(beats: Beats, build: Build) -> np.ndarray:
+    """Payloads of the video stream; where there is no pixel, it is 0."""
+    bits, lanes = build.pixel_bits, build.pixels_per_clock
+    words = []
+    for pixels, sof, eol in beats:
+        there = places(pixels)
+        word = sum((pixel or 0) << k * bits for k, pixel in enumerate(there))
+        keep = sum((pixel is not None) << k for k, pixel in enumerate(there)) if lanes > 1 else 0
+        tags = keep | (sof | eol << 1) << lanes * (lanes > 1)
+        words.append(word | tags << bits * lanes)
+    return in_words(words)
 
 
 def packets(capture: Capture) -> list[Records]:

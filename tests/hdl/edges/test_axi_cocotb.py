@@ -60,6 +60,28 @@ BUILDS = {
         max_width=160,
         max_height=32,
     ),
+    "paper-2-banked-video": Build.profile(
+        "paper", pixels_per_clock=2, video_out=True, max_width=75, max_height=29
+    ),
+    "precise-2": Build.profile("precise", pixels_per_clock=2, max_width=80, max_height=32),
+    "mixture-4": Build.profile(
+        "paper",
+        pixels_per_clock=4,
+        pixel_bits=10,
+        gradient="signed",
+        fit="six",
+        patches="pixels",
+        buffering="lean",
+        queue_depth=8,
+        autostart=True,
+        video_out=True,
+        max_width=149,
+        max_height=29,
+    ),
+    "paper-8": Build.profile("paper", pixels_per_clock=8, buffering="lean", max_width=301, max_height=29),
+    "robust-8-video": Build.profile(
+        "robust", pixels_per_clock=8, video_out=True, max_width=320, max_height=32
+    ),
     "mixture": Build.profile(
         "paper",
         pixel_bits=10,
@@ -127,6 +149,26 @@ SHORT: dict[str, dict[str, list[str]]] = {
         ],
         "video": ["corners_are_marked", "full_rate", "malformed_video/stall=0.3"],
     },
+    "everything-4": {
+        "matrix": [
+            "matrix/frame_size=least/idle=0.4/stall=0.5",
+            "matrix/frame_size=photograph/idle=0.0/stall=0.0",
+        ],
+        "registers": ["after_reset/bus=0.5", "asked_in_reset", "size_refused", "interrupts"],
+        "settings": ["soft_reset", "ends_wait"],
+        "budget": ["max_corners"],
+        "cells": ["strongest_of_cells/stall=0.0"],
+        "malformed": [
+            f"{name}/pauses=0.35"
+            for name in ("early_sof", "sof_held", "short_line", "long_line", "tlast_never", "size_changed")
+        ],
+        "lanes": [
+            *(f"{name}/pauses=0.0" for name in ("pixels_beyond", "anything", "every_width")),
+            *(f"{name}/pauses=0.35" for name in ("pixels_missing", "holes", "one_beat")),
+        ],
+        "video": ["corners_are_marked", "full_rate", "malformed_video/stall=0.0"],
+        "stress": ["stress"],
+    },
 }
 
 
@@ -157,7 +199,7 @@ def run(
     return results, "\n  ".join([text, *tried])
 
 
-@each("build", {build: build for build in SHORT}, quick=("paper-banked", "robust-lean-video"))
+@each("build", {build: build for build in SHORT}, quick=("paper-banked", "robust-lean-video", "everything-4"))
 def test_short(build: str, tmp_path: Path) -> None:
     for module, tests in SHORT[build].items():
         results, text = run(build, module, tmp_path / module, tests, 1, 16)
@@ -178,6 +220,7 @@ def test_short(build: str, tmp_path: Path) -> None:
             *(("video",) if parameters.video_out else ()),
             *(("budget",) if parameters.budget else ()),
             *(("cells",) if parameters.max_per_cell else ()),
+            *(("lanes",) if parameters.pixels_per_clock > 1 else ()),
         )
     ],
 )

@@ -18,6 +18,7 @@ from hdl.edges.frame_guard import video_layout
 from hdl.edges.lane_overlay import LaneOverlay
 from hdl.edges.overlay import overlay_layout
 from sim import Stalls, Stimulus
+from tests.support.beats import in_words
 from tests.support.blocks import engine
 from tests.support.builds import each
 from tests.support.malformed import Random, packed
@@ -81,13 +82,6 @@ def together(*fields: tuple[int, int]) -> int:
     return word
 
 
-def words(values: list[int]) -> np.ndarray:
-    """As the engines take them: 64 bits and, where there are more, the rest."""
-    wide = max(values) >> 64 > 0
-    halves = [[value & (1 << 64) - 1, value >> 64][: 1 + wide] for value in values]
-    return np.array(halves, np.uint64).squeeze(axis=() if wide else 1)
-
-
 @STALLS
 @LANES
 def test_beats_and_corners(lanes: int, stalls: Stalls) -> None:
@@ -114,6 +108,6 @@ def test_beats_and_corners(lanes: int, stalls: Stalls) -> None:
                 together((data, 8 * lanes), (marks, lanes), (last, lane_bits), (sof, 1), (eol, 1))
             )
     runner = engine("amaranth", PlainOverlay, p)
-    given = {"i": words(sent), "corner_flags": np.array(flags, np.uint64)}
+    given = {"i": in_words(sent), "corner_flags": np.array(flags, np.uint64)}
     capture = runner.run(Stimulus(given, [], stalls), quiet=100)
-    assert np.array_equal(capture.outputs["o"], words(expected))
+    assert np.array_equal(capture.outputs["o"], in_words(expected))
