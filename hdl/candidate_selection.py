@@ -20,7 +20,7 @@ from hdl.parts.optional import optional
 from hdl.parts.probes import probe
 from hdl.parts.queue import Queue
 from hdl.parts.stream import Beat
-from hdl.step_layouts import reads_pixels, rows_kept
+from hdl.step_layouts import reads_pixels, rows_kept, steps_in_flight
 from hdl.textures import texture_layout
 
 PIXEL_COORDINATE_BITS = COORDINATE_BITS - OFFSET_BITS
@@ -151,7 +151,8 @@ class Selection(wiring.Component):
         """Those of candidates and of pending records."""
         p = self._parameters
         m.submodules.candidates = candidates = Queue(candidate_layout(p), p.queue_depth)
-        m.submodules.pending = pending = Queue(pending_record_layout(p), p.queue_depth + p.units * INSIDE)
+        refined = steps_in_flight(p) if self._by_pixels else p.units * INSIDE
+        m.submodules.pending = pending = Queue(pending_record_layout(p), p.queue_depth + refined)
         wiring.connect(m, candidates.o, wiring.flipped(self.candidate))
         wiring.connect(m, pending.o, wiring.flipped(self.pending))
         return candidates, pending

@@ -15,12 +15,10 @@ from hdl.normal_equations import NormalEquations
 from hdl.parts.queue import Queue
 from hdl.pixel_store import store_members
 from hdl.step_judge import StepJudge
-from hdl.step_layouts import pixel_place_layout, rows_kept, step_layout, under_way_layout
+from hdl.step_layouts import pixel_place_layout, rows_kept, step_layout, steps_in_flight, under_way_layout
 from hdl.subpixel import Subpixel, offset_layout
 from hdl.window_reader import WindowReader
 
-IN_FLIGHT = 4
-"""Candidates that are worked on at a time: some are solved while another one's window is read."""
 _PLACES = 8
 
 
@@ -60,9 +58,10 @@ class GradientStep(wiring.Component):
 
     def __init__(self, build: Build) -> None:
         self._build = build
+        self.inside = steps_in_flight(build)
         self.reader = WindowReader(build)
         self.equations = NormalEquations(build)
-        self.subpixel = Subpixel(build)
+        self.subpixel = Subpixel(build, bits_per_clock=build.refinement_bits)
         self.judge = StepJudge(build)
         super().__init__(
             {
@@ -72,16 +71,17 @@ class GradientStep(wiring.Component):
             }
         )
 
-    inside = IN_FLIGHT
-
     @property
     def interval(self) -> int:
         """Clocks from one candidate to the next, where many wait.
 
         The solver takes the equations of a window when it moves on, which it does at its own pace.
+        With several pixels per clock the next window is read meanwhile.
         """
         pace = self.subpixel.interval
-        return 2 * pace * -(-self.reader.interval // pace)
+        if self._build.pixels_per_clock == 1:
+            return 2 * pace * -(-self.reader.interval // pace)
+        return max(2 * self.reader.interval, 3 * pace)
 
     @property
     def latency(self) -> int:
@@ -126,8 +126,8 @@ class GradientStep(wiring.Component):
     def _solve(self, m: Module, surfaces: Queue) -> None:
         """Equations of windows come first, surfaces of new candidates in between."""
         equations, subpixel, candidate = self.equations.o, self.subpixel, self.i
-        in_flight, begins, ends = Signal(range(IN_FLIGHT + 1)), Signal(), Signal()
-        free = in_flight != IN_FLIGHT
+        in_flight, begins, ends = Signal(range(self.inside + 1)), Signal(), Signal()
+        free = in_flight != self.inside
         m.d.comb += [
             equations.ready.eq(subpixel.i.ready),
             subpixel.kind.eq(equations.valid),
@@ -146,7 +146,8 @@ class GradientStep(wiring.Component):
 
     def _need(self, m: Module) -> None:
         """While any candidate has windows to be read, the row of the first of these is needed."""
-        waiting = Signal(range(2 * self._build.queue_depth))
+        # in the queue, at its output and here
+        waiting = Signal(range(self._build.queue_depth + 1 + self.inside + 1))
         with m.If(self.picked ^ self.reader.read):
             m.d.sync += waiting.eq(waiting + Mux(self.picked, 1, -1))
         begins = self.reader.under_way

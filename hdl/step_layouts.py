@@ -36,7 +36,15 @@ def rows_kept(build: Build) -> int:
 
 def columns_read(build: Build) -> int:
     """Neighbouring columns of pixels that are read at once."""
-    return 1
+    return min(build.pixels_per_clock, 4)
+
+
+def steps_in_flight(build: Build) -> int:
+    """Candidates that are worked on at a time.
+
+    Some are solved while another one's window is read, and the faster windows are read, the more.
+    """
+    return 4 if build.pixels_per_clock == 1 else 8
 
 
 def pixel_place_layout(build: Build) -> data.StructLayout:

@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Reads windows of pixels for the gradient step out of the pixel store, column by column."""
+"""Reads windows of pixels for the gradient step out of the pixel store, beat by beat."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from amaranth.lib.wiring import In, Out
 from golden.formats import OFFSET_BITS
 from golden.normal_equations import FARTHEST, PLACE_BITS, STEP_SIZE
 from hdl.build import Build
-from hdl.normal_equations import COLUMNS, LANES, PASSES, PAUSE, window_layout
+from hdl.normal_equations import PASSES, PAUSE, ROWS, first_complete, pass_beats, window_layout
 from hdl.pixel_store import column_layout, place_layout, read_latency
-from hdl.step_layouts import CENTRE_BITS, rows_kept, step_layout, under_way_layout
+from hdl.step_layouts import CENTRE_BITS, columns_read, rows_kept, step_layout, under_way_layout
 
 _REACH = STEP_SIZE // 2 + 1
 """Pixels that a window reads to all sides of the one in its middle."""
@@ -42,9 +42,6 @@ class WindowReader(wiring.Component):
         Stream of ``window_layout(build)``.
     """
 
-    interval = PASSES * COLUMNS + PAUSE + 1
-    """Clocks from one window to the next."""
-
     def __init__(self, build: Build) -> None:
         self._build = build
         super().__init__(
@@ -59,14 +56,24 @@ class WindowReader(wiring.Component):
             }
         )
 
+    @property
+    def interval(self) -> int:
+        """Clocks from one window to the next."""
+        return PASSES * pass_beats(self._build) + PAUSE + 1
+
     def elaborate(self, platform: Any) -> Module:
         m = Module()
+        beats, first, at_once = (
+            pass_beats(self._build),
+            first_complete(self._build),
+            columns_read(self._build),
+        )
         advance = self.o.ready
         given = self.i.payload
         placed, running, second = Signal(), Signal(), Signal()
         x_place, y_place = (Signal(signed(CENTRE_BITS + PLACE_BITS), name=f"{axis}_place") for axis in "xy")
-        number, column = Signal(range(PASSES)), Signal(range(COLUMNS))
-        right, bottom = column == COLUMNS - 1, number == PASSES - 1
+        number, beat = Signal(range(PASSES)), Signal(range(beats))
+        right, bottom = beat == beats - 1, number == PASSES - 1
         begins = Signal()
         m.d.comb += [
             begins.eq(advance & placed),
@@ -78,7 +85,9 @@ class WindowReader(wiring.Component):
             self.under_way.payload.centre_x.eq(_centre(x_place)),
             self.under_way.payload.centre_y.eq(_centre(y_place)),
         ]
-        first_x = given.candidate.x + _centre(x_place) - _REACH
+        # a pass ends with the window's last column
+        before = beats * at_once - (2 * _REACH + 1)
+        first_x = given.candidate.x + _centre(x_place) - (_REACH + before)
         first_row = given.candidate.row + _centre(y_place) + (self._build.algorithm.margin - _REACH)
         with m.If(advance):
             m.d.sync += placed.eq(self.i.valid & ~running & ~placed)
@@ -90,28 +99,28 @@ class WindowReader(wiring.Component):
                     self.place.row.eq(first_row),
                 ]
             with m.Elif(running):
-                step = Mux(right, C(1 - COLUMNS, signed(5)), 1)
-                m.d.sync += [column.eq(Mux(right, 0, column + 1)), self.place.x.eq(self.place.x + step)]
+                step = Mux(right, C((1 - beats) * at_once, signed(5)), at_once)
+                m.d.sync += [beat.eq(Mux(right, 0, beat + 1)), self.place.x.eq(self.place.x + step)]
                 with m.If(right):
                     m.d.sync += [
-                        self.place.row.eq(self.place.row + LANES),
+                        self.place.row.eq(self.place.row + ROWS),
                         number.eq(Mux(bottom, 0, number + 1)),
                         running.eq(~bottom),
                     ]
             with m.Else():
                 m.d.sync += [x_place.eq(_place(given.from_x)), y_place.eq(_place(given.from_y))]
-        complete = running & (column >= 2)
-        tags = Cat(complete, column == 2, complete & right, complete & (number == 0), complete & bottom)
-        beat = Cat(running, tags)
+        complete = running & (beat >= first)
+        tags = Cat(complete, beat == first, complete & right, complete & (number == 0), complete & bottom)
+        read = Cat(running, tags)
         for k in range(read_latency(self._build)):
-            later = Signal(len(beat), name=f"tags_{k + 1}")
+            later = Signal(len(read), name=f"tags_{k + 1}")
             with m.If(advance):
-                m.d.sync += later.eq(beat)
-            beat = later
+                m.d.sync += later.eq(read)
+            read = later
         window = self.o.payload
         m.d.comb += [
-            self.o.valid.eq(beat[0]),
-            Cat(window.complete, window.left, window.right, window.top, window.bottom).eq(beat[1:]),
+            self.o.valid.eq(read[0]),
+            Cat(window.complete, window.left, window.right, window.top, window.bottom).eq(read[1:]),
             window.pixels.eq(self.column),
             window.x.eq(x_place[:PLACE_BITS]),
             window.y.eq(y_place[:PLACE_BITS]),

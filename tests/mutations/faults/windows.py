@@ -56,8 +56,8 @@ WINDOWS = {
     ),
     "the row below a window counts": Mutation(
         "hdl/normal_equations.py",
-        "line.at(1 + late).bottom",
-        "line.at(1 + late).top",
+        "masked = tags.bottom if row else",
+        "masked = tags.top if row else",
         "tests/hdl/test_normal_equations.py",
         "sums and amaranth-unstalled",
     ),
