@@ -6,7 +6,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from amaranth.hdl import Const, Module, Signal, Value, signed, unsigned
+from amaranth.hdl import Module, Signal, Value, signed, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -238,15 +238,13 @@ class NormalEquations(wiring.Component):
                 pipe.register(value, name) if masked is None else _register_or_0(m, pipe, value, masked, name)
             )
 
+        sums = [
+            sum_of(product + (other << PLACE_BITS), f"sum_{name}")
+            for name, product, other in zip("abd", products, second, strict=True)
+        ]
         a, b, d = second
-        return _Column(
-            *(
-                sum_of(product + (other << PLACE_BITS), f"sum_{name}")
-                for name, product, other in zip("abd", products, second, strict=True)
-            ),
-            c2=sum_of((a + b - d)[1 : 2 * self._bits + 2].as_signed(), "second_c"),
-            b2=sum_of(b, "second_b"),
-        )
+        c2 = sum_of((a + b - d)[1 : 2 * self._bits + 2].as_signed(), "second_c")
+        return _Column(sums[0], sums[1], sums[2], c2, sum_of(b, "second_b"))
 
     def _weigh_columns(self, m: Module, pipe: Pipeline, line: TagLine, column: _Column) -> _Column:
         """The last lane's, in units of 1/256; b2 a clock later than the others."""
@@ -265,25 +263,27 @@ class NormalEquations(wiring.Component):
 
     def _add_up(self, pipe: Pipeline, last: _Column, others: list[_Column]) -> _Column:
         """All columns of a beat, a clock later; c2 and b2 less the Q of A and of C in the beat."""
-        behind = [len(others) - k for k in range(len(others))]
+        once, behind = [1] * len(others), [len(others) - k for k in range(len(others))]
 
-        def total(numbers: list[Value], times: list[int], name: str) -> Value:
-            value = sum((number * k for number, k in zip(numbers, times, strict=True)), start=Const(0))
-            return numbers[0] if len(numbers) == 1 else pipe.register(value, name)
+        def total(field: str, times: list[int], name: str) -> Value:
+            """The others' values, each so many times."""
+            numbers = [getattr(other, field) for other in others]
+            if len(numbers) == 1:
+                return numbers[0]
+            products = [number * k for number, k in zip(numbers, times, strict=True)]
+            return pipe.register(sum(products[1:], start=products[0]), f"{name}_{field}")
 
-        once = [1] * len(others)
-        names = _Column._fields
-        by_name = {name: [getattr(other, name) for other in others] for name in names}
-        alone = {name: total(by_name[name], once, f"others_{name}") for name in names}
-        a, b, d = (total(by_name[name], behind, f"behind_{name}") for name in "abd")
+        def everything(field: str) -> Signal:
+            others_alone = total(field, once, "others")
+            return pipe.register(getattr(last, field) + (others_alone << PLACE_BITS), f"all_{field}")
+
+        a, b, d = (total(field, behind, "behind") for field in "abd")
         c = pipe.register((a + b - d)[1:].as_signed(), "behind_c")
-        added = [
-            pipe.register(getattr(last, name) + (alone[name] << PLACE_BITS), f"all_{name}") for name in "abd"
-        ]
-        c2 = last.c2 + (alone["c2"] << 2 * PLACE_BITS) - (a << PLACE_BITS)
-        late_b2 = pipe.register(alone["b2"], "others_b2_late")
-        b2 = last.b2 + (late_b2 << 2 * PLACE_BITS) - (c << PLACE_BITS)
-        return _Column(*added, pipe.register(c2, "all_c2"), pipe.register(b2, "all_b2"))
+        c2, b2 = total("c2", once, "others"), pipe.register(total("b2", once, "others"), "others_b2_late")
+        # the last column's have their weights, in units of 1/256
+        c2 = pipe.register(last.c2 + (((c2 << PLACE_BITS) - a) << PLACE_BITS), "all_c2")
+        b2 = pipe.register(last.b2 + (((b2 << PLACE_BITS) - c) << PLACE_BITS), "all_b2")
+        return _Column(everything("a"), everything("b"), everything("d"), c2, b2)
 
     def _sum(
         self, m: Module, pipe: Pipeline, line: TagLine, taken: Value, column: _Column
