@@ -13,6 +13,8 @@ Buffering = Literal["banked", "lean"]
 
 PIXELS_PER_CLOCK = (1, 2, 4, 8)
 
+MAX_MULTIPLIERS = 1024
+
 BUILDS: dict[str, dict[str, Any]] = {
     "paper": {"buffering": "banked"},
     "robust": {"buffering": "lean"},
@@ -45,6 +47,10 @@ class Build(Parameters):
         Units that refine corners, in turn, 1 to 4. 0: as many as every photograph needs that the
         project was measured with; with 4 or 8 pixels per clock, units that are faster, too.
         Hardware only: changes delays, never a record. Gradient steps have one.
+    multipliers
+        Embedded multipliers, in elements of 9×9 bits, that may find squares; even, 0 to 1024. Two
+        take the place of a table in block RAM, first those of gradients, then those of the
+        response; what is beyond is not used. Hardware only: changes no record and no delay.
     video_out
         Pass the pixels on, as they came, with a corner flag. Hardware only; takes as many rows of
         block RAM as the algorithm's margin has, and with ``"banked"`` one more for each buffer.
@@ -81,6 +87,11 @@ class Build(Parameters):
     refinement_units: int = option(
         0, "Units that refine corners, in turn, 1 to 4; 0: as many as photographs need.", high=4
     )
+    multipliers: int = option(
+        0,
+        "Embedded multipliers of 9x9 bits for squares, two in the place of a table in block RAM; even.",
+        high=MAX_MULTIPLIERS,
+    )
     video_out: bool = option(
         False, "Pass the pixels on, too, each with a corner flag; with the AXI edge only."
     )
@@ -93,6 +104,10 @@ class Build(Parameters):
             allowed = ", ".join(map(str, PIXELS_PER_CLOCK))
             raise ValueError(f"pixels_per_clock is {self.pixels_per_clock!r}; allowed: {allowed}")
         super().__post_init__()
+        if self.multipliers % 2:
+            raise ValueError(
+                f"multipliers is {self.multipliers}; allowed: even numbers, 0 to {MAX_MULTIPLIERS}"
+            )
         if self.refinement_units > 1 and FIT_REACH[self.algorithm.fit]:
             raise ValueError(
                 f"refinement_units is {self.refinement_units}; allowed with fit {self.algorithm.fit!r}: 0, 1"
@@ -122,6 +137,11 @@ class Build(Parameters):
         if FIT_REACH[self.algorithm.fit]:
             return 1
         return self.refinement_units or (2 if self.pixels_per_clock == 8 else 1)
+
+    @property
+    def multiplied_pairs(self) -> int:
+        """Pairs of squares that multipliers find; tables find the others."""
+        return self.multipliers // 2
 
     @property
     def refinement_bits(self) -> int:

@@ -32,6 +32,11 @@ def products_layout(parameters: Parameters) -> data.StructLayout:
     return data.StructLayout({"a": unsigned(bits), "b": unsigned(bits), "c": c})
 
 
+def square_pairs(build: Build) -> int:
+    """Pairs of squares that the convolution needs: see ``Build.multiplied_pairs``."""
+    return GradientSquares.pairs(SMOOTHING_SIZE, build.pixels_per_clock)
+
+
 def products_shape(build: Build) -> ShapeLike:
     """The products of a beat: ``products_layout(build)``, or an array of it, the leftmost first."""
     return lanes_of(products_layout(build), build.pixels_per_clock)
@@ -132,7 +137,9 @@ class Convolution(wiring.Component):
         self._lost = 2 * parameters.algorithm.response_margin - (SMOOTHING_SIZE - 1)
         # rows of all lanes; two differences that share a table lie in one row, or in rows that are
         # looked up in the same clock
-        self._squares = GradientSquares(sizes_layout(parameters), SMOOTHING_SIZE, self._lanes)
+        self._squares = GradientSquares(
+            sizes_layout(parameters), SMOOTHING_SIZE, self._lanes, parameters.multiplied_pairs
+        )
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(sizes_shape(parameters), SMOOTHING_SIZE))),

@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Squares of a column's gradients and of their differences, from tables; products need them."""
+"""Squares of a column's gradients and of their differences; products need them."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 from amaranth.hdl import Module, Shape, Value
 from amaranth.lib import data
 
-from hdl.parts.square_table import SquareTable
+from hdl.parts.squarer import LATENCY, Squarer, make_squarer
 from hdl.parts.stream import Pipeline
 
 
 class GradientSquares:
-    """Tables for a number of rows of sizes.
+    """Squares of a number of rows of sizes, from tables or by multipliers.
 
     The two gradients of a row share one table; so do the differences of two rows. Where the number
     of rows is odd, one port stays free.
@@ -28,17 +28,32 @@ class GradientSquares:
         Number of rows, in each lane.
     lanes
         Columns of a beat.
+    multiplied
+        The first so many pairs of squares are found by multipliers; of :meth:`pairs`.
     """
 
-    latency = SquareTable.latency
+    latency = LATENCY
 
-    def __init__(self, sizes: data.StructLayout, rows: int, lanes: int = 1) -> None:
-        def table(field: str) -> SquareTable:
+    def __init__(self, sizes: data.StructLayout, rows: int, lanes: int = 1, multiplied: int = 0) -> None:
+        alone = rows * lanes
+        fields = ["gx"] * alone + ["difference"] * (self.pairs(rows, lanes) - alone)
+
+        def squarer(number: int, field: str) -> Squarer:
             shape = Shape.cast(sizes[field].shape)
-            return SquareTable(shape.width, signed_numbers=shape.signed, stores_odd=lanes > 1)
+            return make_squarer(
+                shape.width,
+                signed_numbers=shape.signed,
+                stores_odd=lanes > 1,
+                multiplies=number < multiplied,
+            )
 
-        self._gradients = [table("gx") for _ in range(rows * lanes)]
-        self._differences = [table("difference") for _ in range(0, rows * lanes, 2)]
+        found = [squarer(number, field) for number, field in enumerate(fields)]
+        self._gradients, self._differences = found[:alone], found[alone:]
+
+    @staticmethod
+    def pairs(rows: int, lanes: int) -> int:
+        """Pairs of squares: a table, or two multipliers, for each."""
+        return rows * lanes + -(-rows * lanes // 2)
 
     @property
     def memory_bits(self) -> int:

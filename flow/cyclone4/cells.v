@@ -84,3 +84,45 @@ module altsyncram (clock0, clocken0, address_a, data_a, wren_a, rden_a, q_a, add
   assign q_a = outdata_reg_a == "CLOCK0" ? registered_a : read_a;
   assign q_b = outdata_reg_b == "CLOCK0" ? registered_b : read_b;
 endmodule
+
+// An embedded multiplier in two halves, each with registers that it need not use.
+module cycloneiv_mac_mult (dataa, datab, signa, signb, clk, ena, dataout);
+  parameter dataa_width = 9;
+  parameter datab_width = 9;
+  parameter dataa_clock = "none";
+  parameter datab_clock = "none";
+  input [dataa_width-1:0] dataa;
+  input [datab_width-1:0] datab;
+  input signa, signb, clk, ena;
+  output [dataa_width+datab_width-1:0] dataout;
+
+  reg [dataa_width-1:0] registered_a;
+  reg [datab_width-1:0] registered_b;
+  initial {registered_a, registered_b} = 0;
+  always @(posedge clk)
+    if (ena) begin
+      registered_a <= dataa;
+      registered_b <= datab;
+    end
+  wire [dataa_width-1:0] a = dataa_clock == "none" ? dataa : registered_a;
+  wire [datab_width-1:0] b = datab_clock == "none" ? datab : registered_b;
+  // as long as the product, so that no sign is lost
+  wire [dataa_width+datab_width-1:0] long_a = {{datab_width{signa & a[dataa_width-1]}}, a};
+  wire [dataa_width+datab_width-1:0] long_b = {{dataa_width{signb & b[datab_width-1]}}, b};
+  assign dataout = long_a * long_b;
+endmodule
+
+module cycloneiv_mac_out (dataa, clk, ena, dataout);
+  parameter dataa_width = 18;
+  parameter output_clock = "none";
+  input [dataa_width-1:0] dataa;
+  input clk, ena;
+  output [dataa_width-1:0] dataout;
+
+  reg [dataa_width-1:0] registered;
+  initial registered = 0;
+  always @(posedge clk)
+    if (ena)
+      registered <= dataa;
+  assign dataout = output_clock == "none" ? dataa : registered;
+endmodule

@@ -10,7 +10,9 @@ from flow.cyclone4.area import Area, Block
 from flow.netlist import Bit, Json
 
 LUT, FLIP_FLOP, MEMORY = "cycloneiv_lcell_comb", "dffeas", "altsyncram"
-PRIMITIVES = (LUT, FLIP_FLOP, MEMORY)
+MULTIPLIER, PRODUCT = "cycloneiv_mac_mult", "cycloneiv_mac_out"
+"""The two halves of an embedded multiplier."""
+PRIMITIVES = (LUT, FLIP_FLOP, MEMORY, MULTIPLIER, PRODUCT)
 
 Values = dict[int, int]
 """Values of nets."""

@@ -2,7 +2,8 @@
 
 Each rule takes away cells and changes no behaviour:
 
-- the output registers of block RAM take the flip-flops behind it;
+- block RAM and multipliers have registers of their own, which take the flip-flops at their ports,
+  see :mod:`flow.cyclone4.absorb`;
 - tables and cells of carry chains become one, see :mod:`flow.cyclone4.packing`;
 - a synchronous clear or load takes the multiplexer before a flip-flop, so that the flip-flop shares
   a logic element with what lies before the multiplexer. Clear and load are signals of a whole LAB,
@@ -14,7 +15,8 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import dataclass
 
-from flow.cyclone4.netlist import FLIP_FLOP, LUT, MEMORY, Cell, Module, Values, assignments
+from flow.cyclone4.absorb import absorb_registers
+from flow.cyclone4.netlist import FLIP_FLOP, LUT, Cell, Module, Values, assignments
 from flow.cyclone4.packing import pack
 from flow.netlist import Bit, Json
 
@@ -29,62 +31,10 @@ def refine(netlist: Json) -> None:
             continue
         pack(json)
         module = Module(json)
-        _registers_into_memory(module)
+        absorb_registers(module)
         while _synchronous_control(module):
             pass
         module.drop_unused()
-
-
-# -- block RAM
-
-
-def _registers_into_memory(module: Module) -> None:
-    for memory in module.of_kind(MEMORY):
-        for port in "ab":
-            _registers_behind(module, memory, port)
-
-
-def _registers_behind(module: Module, memory: Cell, port: str) -> None:
-    outputs = memory.bits(f"q_{port}")
-    registers: list[Cell | None] = []
-    for bit in outputs:
-        if not isinstance(bit, int) or not module.readers[bit]:
-            registers.append(None)
-            continue
-        reader = module.only_reader(bit)
-        if reader is None or reader[0].kind != FLIP_FLOP or reader[1] != "d":
-            return
-        registers.append(reader[0])
-    found = [register for register in registers if register is not None]
-    if not found:
-        return
-    enables = {register["ena"] for register in found}
-    if len(enables) > 1 or any(
-        register["sclr"] != "0"
-        or register["sload"] != "0"
-        or register["clk"] != memory["clock0"]
-        or register.parameter("power_up") != "low"
-        for register in found
-    ):
-        return
-    (enable,) = enables
-    # one enable serves the output registers of both ports
-    if enable != "1" and memory["clocken0"] not in ("1", enable):
-        return
-    for register in found:
-        module.remove(register)
-    with module.changing(memory):
-        memory.json["parameters"][f"outdata_reg_{port}"] = "CLOCK0"
-        if enable != "1":
-            memory["clocken0"] = enable
-            memory.json["parameters"][f"clock_enable_output_{port}"] = "NORMAL"
-        memory.json["connections"][f"q_{port}"] = [
-            bit if register is None else register["q"]
-            for bit, register in zip(outputs, registers, strict=True)
-        ]
-
-
-# -- clear and load
 
 
 @dataclass(frozen=True)

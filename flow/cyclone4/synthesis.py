@@ -23,7 +23,16 @@ from flow.yowasp import run_yosys
 from hdl.build import Build
 from hdl.edges import Interface, make_core
 
-RULES = ("cells.v", "operators.v", "memory.txt", "memory.v", "arithmetic.v", "flipflops.v", "luts.v")
+RULES = (
+    "cells.v",
+    "operators.v",
+    "multipliers.v",
+    "memory.txt",
+    "memory.v",
+    "arithmetic.v",
+    "flipflops.v",
+    "luts.v",
+)
 
 # every memory becomes block RAM, as the exported project asks Quartus to do
 MAP = """
@@ -48,6 +57,7 @@ techmap -map operators.v t:$add t:$sub
 share
 opt
 tee -q -o multipliers.txt dump -m t:$mul
+techmap -map multipliers.v t:$mul
 memory -nomap
 opt_clean
 setattr -set ram_style "block" t:$mem_v2

@@ -8,10 +8,11 @@ from typing import Any
 from amaranth.hdl import Cat, Module, Mux, Value
 
 from hdl.build import Build
+from hdl.convolution import square_pairs
 from hdl.parts.arithmetic import magnitude
 from hdl.parts.delay_line import DelayLine
 from hdl.parts.lanes import each_lane, lane_name
-from hdl.parts.square_table import SquareTable
+from hdl.parts.squarer import Squarer, make_squarer
 from hdl.parts.stream import Pipeline
 from hdl.responses import ResponseBlock
 from hdl.square_root import SquareRoot
@@ -24,6 +25,10 @@ With several pixels per clock one less: tables find the squares of numbers of ei
 
 ROOT_TABLE_BITS = 5
 """Result bits of a root that are looked up, with several pixels per clock."""
+
+
+PARTS = ("high", "low", "differences")
+"""Parts of the two numbers that are squared."""
 
 
 class Response(ResponseBlock):
@@ -49,7 +54,11 @@ class Response(ResponseBlock):
         # with one lane one clock less: its last register stands by itself, because the line is
         # block RAM and so far away; in several, registers would take too much
         self._line = DelayLine(self._bits * lanes + 2, self.latency - 1 - (lanes == 1))
-        self._tables = [_tables(self._half, lanes) for _ in range(lanes)]
+        # the convolution's squares come first
+        multiplied = parameters.multiplied_pairs - square_pairs(parameters)
+        self._tables = [
+            _tables(self._half, lanes, multiplied - len(PARTS) * lane) for lane in range(lanes)
+        ]
         super().__init__(parameters)
 
     @property
@@ -120,11 +129,14 @@ class Response(ResponseBlock):
         return stored((both + ((both - cross) << n))[: 2 * self._bits], "radicand")
 
 
-def _tables(half: int, lanes: int) -> dict[str, SquareTable]:
-    """Tables of one tensor: of the high halves, the low halves, and their differences."""
+def _tables(half: int, lanes: int, multiplied: int) -> dict[str, Squarer]:
+    """Tables of one tensor: of the high halves, the low halves, and their differences.
+
+    Multipliers take the place of the first ``multiplied`` ones.
+    """
     several = lanes > 1
+    shapes = zip(PARTS, (half + several, half, half + 1 + several), (several, False, True), strict=True)
     return {
-        "high": SquareTable(half + several, signed_numbers=several, stores_odd=several),
-        "low": SquareTable(half, stores_odd=several),
-        "differences": SquareTable(half + 1 + several, signed_numbers=True, stores_odd=several),
+        part: make_squarer(bits, signed_numbers=signs, stores_odd=several, multiplies=k < multiplied)
+        for k, (part, bits, signs) in enumerate(shapes)
     }
