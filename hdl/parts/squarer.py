@@ -1,3 +1,4 @@
+# amaranth: UnusedElaboratable=no
 """Squares of two numbers per clock: from a table, or by multipliers."""
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Squares by look-up: every number of every width, at both ports, under stalls."""
+"""Squares by look-up and by multipliers: every number of every width, both ports, under stalls."""
 
 from __future__ import annotations
 
@@ -13,17 +13,21 @@ from amaranth.lib.wiring import In, Out
 from numpy.typing import NDArray
 
 from hdl.parts.square_table import SquareTable
+from hdl.parts.squarer import LATENCY, make_squarer
 from hdl.parts.stream import Pipeline
 from sim.engine import EngineName
 from sim.stimulus import Stalls
 from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, check_block
 
 
-class Squares(wiring.Component):
-    """The table inside a pipeline."""
+KINDS = {"table": {}, "table with bit 0": {"stores_odd": True}, "multipliers": {"multiplies": True}}
 
-    def __init__(self, bits: int, signed_numbers: bool, stores_odd: bool = False) -> None:
-        self.table = SquareTable(bits, signed_numbers=signed_numbers, stores_odd=stores_odd)
+
+class Squares(wiring.Component):
+    """The table, or two multipliers, inside a pipeline."""
+
+    def __init__(self, bits: int, signed_numbers: bool, kind: str = "table") -> None:
+        self.table = make_squarer(bits, signed_numbers=signed_numbers, **KINDS[kind])
         super().__init__(
             {
                 "i": In(stream.Signature(self.table.x.shape())),
@@ -51,28 +55,29 @@ def check(
     name: EngineName,
     stalls: Stalls = NO_STALLS,
     *,
-    stores_odd: bool = False,
+    kind: str = "table",
 ) -> None:
-    block, late = (Squares, bits, signed_numbers, stores_odd), SquareTable.latency
+    block, late = (Squares, bits, signed_numbers, kind), LATENCY
     check_block(block, {"i": pairs}, {"o": pairs**2}, name, stalls, latency=late)
 
 
-@pytest.mark.parametrize("stores_odd", [False, True])
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
     ("bits", "signed_numbers"), [*((n, False) for n in range(2, 12)), *((n, True) for n in range(3, 12))]
 )
-def test_every_number(bits: int, signed_numbers: bool, stores_odd: bool) -> None:
+def test_every_number(bits: int, signed_numbers: bool, kind: str) -> None:
     """At one port counting up, at the other in no order."""
     low = 1 - (1 << (bits - 1)) if signed_numbers else 0
     numbers = np.arange(low, (1 << (bits - signed_numbers)))
     pairs = np.stack([numbers, np.random.default_rng(bits).permutation(numbers)], axis=1)
-    check(bits, signed_numbers, pairs, "amaranth", stores_odd=stores_odd)
+    check(bits, signed_numbers, pairs, "amaranth", kind=kind)
 
 
+@pytest.mark.parametrize("kind", ["table", "multipliers"])
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
-def test_stalls(name: EngineName, stalls: Stalls) -> None:
+def test_stalls(name: EngineName, stalls: Stalls, kind: str) -> None:
     count = 3000 if name == "compiled" else 200
-    check(8, False, np.random.default_rng(1).integers(0, 256, (count, 2)), name, stalls)
+    check(8, False, np.random.default_rng(1).integers(0, 256, (count, 2)), name, stalls, kind=kind)
 
 
 def test_memory_bits() -> None:
@@ -81,6 +86,7 @@ def test_memory_bits() -> None:
     assert SquareTable(8, stores_odd=True).memory_bits == 15 * 256
     assert SquareTable(4).memory_bits == 6 * 16
     assert SquareTable(9, signed_numbers=True).memory_bits == 14 * 512
+    assert make_squarer(9, multiplies=True).memory_bits == 0
 
 
 @pytest.mark.parametrize(("signed_numbers", "fewest"), [(False, 2), (True, 3)])
