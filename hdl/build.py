@@ -48,9 +48,10 @@ class Build(Parameters):
         project was measured with; with 4 or 8 pixels per clock, units that are faster, too.
         Hardware only: changes delays, never a record. Gradient steps have one.
     multipliers
-        Embedded multipliers, in elements of 9×9 bits, that may find squares; even, 0 to 1024. Two
-        take the place of a table in block RAM, first those of gradients, then those of the
-        response; what is beyond is not used. Hardware only: changes no record and no delay.
+        Squares of gradients, then of the response, that embedded multipliers may find: even, 0 to
+        1024; what is beyond is not used. Two of them take the place of a table in block RAM. Each
+        takes an element of 9×9 bits, or two where the number has more than 9. Hardware only:
+        changes no record and no delay.
     video_out
         Pass the pixels on, as they came, with a corner flag. Hardware only; takes as many rows of
         block RAM as the algorithm's margin has, and with ``"banked"`` one more for each buffer.
@@ -89,7 +90,7 @@ class Build(Parameters):
     )
     multipliers: int = option(
         0,
-        "Embedded multipliers of 9x9 bits for squares, two in the place of a table in block RAM; even.",
+        "Embedded multipliers for squares, two in the place of a table in block RAM: even, 0 to 1024.",
         high=MAX_MULTIPLIERS,
     )
     video_out: bool = option(

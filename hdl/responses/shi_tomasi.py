@@ -56,9 +56,7 @@ class Response(ResponseBlock):
         self._line = DelayLine(self._bits * lanes + 2, self.latency - 1 - (lanes == 1))
         # the convolution's squares come first
         multiplied = parameters.multiplied_pairs - square_pairs(parameters)
-        self._tables = [
-            _tables(self._half, lanes, multiplied - len(PARTS) * lane) for lane in range(lanes)
-        ]
+        self._tables = [_tables(self._half, lanes, multiplied - len(PARTS) * lane) for lane in range(lanes)]
         super().__init__(parameters)
 
     @property

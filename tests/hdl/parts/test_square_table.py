@@ -19,7 +19,6 @@ from sim.engine import EngineName
 from sim.stimulus import Stalls
 from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, check_block
 
-
 KINDS = {"table": {}, "table with bit 0": {"stores_odd": True}, "multipliers": {"multiplies": True}}
 
 
