@@ -5,19 +5,23 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Array, Module, Mux, Signal, Value
+from amaranth.hdl import Array, Cat, Module, Signal, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from hdl.build import Build
+from hdl.candidate_selection import INSIDE
 from hdl.fits import solved_layout
+from hdl.parts.queue import Queue
 from hdl.subpixel import Subpixel, offset_layout
 
 
 class RefinementUnits(wiring.Component):
-    """Offsets of candidates by units that take them in turn, so that they keep their order.
+    """Offsets of candidates by several units, in the order of the candidates.
 
-    A unit that is not free is waited for, even if another one is: all take equally long.
+    A candidate goes to any unit that is free. The others that are free wait meanwhile: a unit that
+    moves on without a candidate goes round empty, so that units which move in the same clocks would
+    stay as slow as one of them.
 
     Members
     -------
@@ -26,7 +30,10 @@ class RefinementUnits(wiring.Component):
     """
 
     def __init__(self, build: Build) -> None:
-        self._units = [Subpixel(build, bits_per_clock=build.refinement_bits) for _ in range(build.units)]
+        self._units = [
+            Subpixel(build, bits_per_clock=build.refinement_bits, is_one_of_several=True)
+            for _ in range(build.units)
+        ]
         super().__init__(
             {
                 "i": In(stream.Signature(solved_layout(build))),
@@ -43,26 +50,36 @@ class RefinementUnits(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Clocks from a candidate that finds all units idle to its offset."""
+        """Clocks from a candidate that finds all units idle to its offset.
+
+        As many more as there are other units, if these take candidates just when it would move on.
+        """
         return self._units[0].latency
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         count = len(self._units)
-        taking, giving = Signal(range(count)), Signal(range(count))
+        m.submodules.order = order = Queue(range(count), count * INSIDE)
+        taking, free = Signal(range(count)), Cat(unit.free for unit in self._units)
+        for k in reversed(range(count)):
+            with m.If(free[k]):
+                m.d.comb += taking.eq(k)
+        taken = self.i.valid & self.i.ready
+        giving = order.o.payload
         for k, unit in enumerate(self._units):
             m.submodules[f"unit_{k}"] = unit
             m.d.comb += [
                 unit.i.payload.eq(self.i.payload),
                 unit.i.valid.eq(self.i.valid & (taking == k)),
-                unit.o.ready.eq(self.o.ready & (giving == k)),
+                unit.hold.eq(taken & (taking != k)),
+                unit.o.ready.eq(self.o.ready & order.o.valid & (giving == k)),
             ]
         m.d.comb += [
-            self.i.ready.eq(Array(unit.i.ready for unit in self._units)[taking]),
-            self.o.valid.eq(Array(unit.o.valid for unit in self._units)[giving]),
+            self.i.ready.eq(free.any()),
+            order.i.valid.eq(taken),
+            order.i.payload.eq(taking),
+            order.o.ready.eq(self.o.valid & self.o.ready),
+            self.o.valid.eq(order.o.valid & Array(unit.o.valid for unit in self._units)[giving]),
             Value.cast(self.o.payload).eq(Array(Value.cast(unit.o.payload) for unit in self._units)[giving]),
         ]
-        for turn, port in ((taking, self.i), (giving, self.o)):
-            with m.If(port.valid & port.ready):
-                m.d.sync += turn.eq(Mux(turn == count - 1, 0, turn + 1))
         return m
