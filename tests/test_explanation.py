@@ -22,6 +22,7 @@ from hdl.candidate_stage import CandidateStage
 from hdl.detector import Detector
 from hdl.identifiers import plain_port
 from hdl.parts.circular_buffer import CircularBuffer
+from hdl.record_stage import RecordStage
 from hdl.subpixel import Subpixel
 from hdl.thresholds import settings_layout
 from tests.support.photographs import PHOTOGRAPHS, photograph
@@ -74,6 +75,14 @@ def test_clocks_of_windows_that_are_read() -> None:
     for profile, told in (("robust", [3, 3, 3]), ("paper", [10, 10, 5])):
         builds = [Build.profile(profile, pixels_per_clock=p) for p in PIXELS_PER_CLOCK[1:]]
         assert [CandidateStage(build).candidate_ring.interval for build in builds] == told
+
+
+def test_clocks_of_gradient_steps() -> None:
+    builds = [Build.profile("precise", pixels_per_clock=p) for p in PIXELS_PER_CLOCK]
+    one, two, *more = [RecordStage(build).refinement.interval for build in builds]
+    assert more[0] == more[1]
+    assert f"while many wait, a candidate takes {one} clocks" in prose(HARDWARE)
+    assert f"While many wait, a candidate then takes {two} or {more[0]} clocks." in prose(HARDWARE)
 
 
 def test_memory_bits() -> None:
