@@ -32,7 +32,6 @@ BUILDS = {
     "robust, P=2": Build.profile("robust", **SIZE, pixels_per_clock=2),
     "paper, P=4": Build.profile("paper", **SIZE, pixels_per_clock=4),
     "paper lean, P=8": Build.profile("paper", **SIZE, buffering="lean", pixels_per_clock=8),
-    "robust banked, P=8": Build.profile("robust", **SIZE, buffering="banked", pixels_per_clock=8),
 }
 builds = each("build", BUILDS, quick=("robust, P=2",))
 STALLS = {
