@@ -15,8 +15,6 @@ CENTRE_BITS = 3
 """Of the whole pixel in the middle of a window, -2 to 2 from the candidate's."""
 STEP_BITS = 11
 """Of a place in 1/128 pixel: that pixel, and a step within the limit."""
-SPARE_ROWS = 1
-"""Rows that the input may be ahead of the candidates, beside those that windows need."""
 
 
 def reads_pixels(parameters: Parameters) -> bool:
@@ -28,9 +26,11 @@ def rows_kept(build: Build) -> int:
     """Rows of the pixel store, a power of two.
 
     When a row of pixels begins, windows are complete down to a margin above it, or with ``banked``
-    buffers some rows more; and a candidate's pixels lie within a margin.
+    buffers some rows more; and a candidate's pixels lie within a margin. The input may be a row
+    ahead of the candidates, with several pixels per clock two rows, as these take fewer clocks.
     """
-    needed = 2 * build.algorithm.margin + SPARE_ROWS + build.rows_late
+    ahead = 1 if build.pixels_per_clock == 1 else 2
+    needed = 2 * build.algorithm.margin + ahead + build.rows_late
     return 1 << needed.bit_length()
 
 

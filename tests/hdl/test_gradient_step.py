@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from amaranth.hdl import Module, Signal, unsigned
+from amaranth.hdl import Module, Signal
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 from numpy.lib.stride_tricks import sliding_window_view
@@ -18,15 +18,18 @@ from hdl.fits import derivatives_layout
 from hdl.gradient_step import GradientStep
 from hdl.parts.stream import Beat
 from hdl.pixel_store import PixelStore
+from hdl.sample import pixels_shape
 from hdl.step_layouts import rows_kept
 from hdl.subpixel import offset_layout
 from hdl.surface import SurfaceFit
 from sim.engine import EngineName
 from sim.stimulus import Stalls
+from tests.support.beats import LANES_IN_TURN, in_beats
 from tests.support.blocks import NO_STALLS, RUN_IDS, RUNS, Array, raster, run_block
 from tests.support.photographs import photograph
 
 BUILD = Build.profile("paper", fit="gradient", max_width=80, max_height=64)
+in_turn = pytest.mark.parametrize("lanes", LANES_IN_TURN)
 HEIGHT, WIDTH = 15, 80
 
 
@@ -40,7 +43,7 @@ class WithStore(wiring.Component):
         super().__init__(
             {
                 "candidate": In(stream.Signature(candidate)),
-                "pixels": In(stream.Signature(Beat(unsigned(build.pixel_bits)))),
+                "pixels": In(stream.Signature(Beat(pixels_shape(build)))),
                 "o": Out(stream.Signature(offset_layout("gradient"))),
             }
         )
@@ -79,9 +82,10 @@ def check(
     surface = FITS["gradient"].derivatives(responses)._asdict()
     formats = SurfaceFit.formats(parameters)._asdict()
     given = {field: value >> formats[field].zeros for field, value in surface.items()}
+    pixels = raster(in_beats([frame], parameters.pixels_per_clock)[0])
     capture = run_block(
         (WithStore, parameters),
-        {"candidate": {"surface": given, "x": x}, "pixels": raster([frame])},
+        {"candidate": {"surface": given, "x": x}, "pixels": pixels},
         {"o": vars(expected)},
         name,
         stalls,
@@ -106,8 +110,33 @@ def test_offsets(name: EngineName, stalls: Stalls, frame_kind: str) -> None:
     capture, expected = check(corners(frame_kind), responses, BUILD, name, stalls)
     if stalls == NO_STALLS and name == "compiled":
         assert expected.clamped.any() and not expected.clamped.all()
-        step = GradientStep(BUILD)
-        late = capture.output_clocks["o"] - capture.input_clocks["candidate"]
-        assert late.max() <= step.latency + step.inside * step.interval
-        steps = np.diff(capture.output_clocks["o"])
-        assert steps[8:].mean() <= step.interval
+        keeps_its_pace(BUILD, capture)
+
+
+def keeps_its_pace(build: Build, capture: Any) -> None:
+    step = GradientStep(build)
+    late = capture.output_clocks["o"] - capture.input_clocks["candidate"]
+    assert late.max() <= step.latency + step.inside * step.interval
+    steps = np.diff(capture.output_clocks["o"])
+    assert steps[8:].mean() <= step.interval
+
+
+@pytest.mark.parametrize("stalls", [NO_STALLS, Stalls(0.3, 0.9, 13)], ids=["unstalled", "both-stall"])
+@in_turn
+def test_offsets_with_several_pixels_per_clock(lanes: int, stalls: Stalls) -> None:
+    """Windows begin in every lane, at whatever row."""
+    build = BUILD.changed(pixels_per_clock=lanes)
+    responses = np.random.default_rng(1).integers(0, build.response_max, (200, 3, 3), endpoint=True)
+    responses[::2, 1, 1] = build.response_max
+    capture, _ = check(corners("photograph"), responses, build, "compiled", stalls)
+    if stalls == NO_STALLS:
+        keeps_its_pace(build, capture)
+
+
+@in_turn
+def test_a_lone_candidate_is_done_in_time(lanes: int) -> None:
+    """At no pace does it take longer than the latency says."""
+    build, responses = BUILD.changed(pixels_per_clock=lanes), np.full((1, 3, 3), 5)
+    capture, _ = check(corners("photograph"), responses, build, "compiled", NO_STALLS)
+    late = capture.output_clocks["o"] - capture.input_clocks["candidate"]
+    assert late.max() <= GradientStep(build).latency
