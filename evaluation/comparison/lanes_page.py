@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from evaluation.comparison.parts import (
+    find,
     frame_clocks,
     gigapixels,
     name,
@@ -43,6 +44,10 @@ _BLOCKS = f"Logic elements of each block at {_SIZE}, `lean`; *(top)* is the wiri
 _PATHS = """The slowest path of the middle one of three placements³, from register or memory to register or
 memory. Names are those of signals, as far as they survive."""
 
+_MULTIPLIERS = f"""With `--multipliers` squares come from embedded multipliers, not from tables in block
+RAM, here as many as there are, at {_SIZE}. The records are the same. Multipliers are counted in
+elements of 9×9 bits; a device's multiplier of 18×18 bits is two of them. These builds are not placed."""
+
 
 def lanes_section(builds: list[Figures]) -> list[str]:
     """Parts of the page, as Markdown: headings, prose and tables.
@@ -55,15 +60,19 @@ def lanes_section(builds: list[Figures]) -> list[str]:
     """
     if all(build["pixels_per_clock"] == 1 for build in builds):
         return []
-    chosen = sorted(of_size(builds, LANES_SIZE), key=_order)
-    large = sorted(of_size(builds, UHD), key=_order)
+    plain = [build for build in builds if not build["multiplied"]]
+    chosen = sorted(of_size(plain, LANES_SIZE), key=_order)
+    large = sorted(of_size(plain, UHD), key=_order)
     parts = ["## Several pixels per clock", _INTRODUCTION]
     parts += [_COSTS, _costs(chosen, chosen), _SPEEDS, _speeds(chosen)]
     if large:
         parts += [_LARGE, _costs(large, chosen), _speeds(large)]
-    parts += ["### Targets", _TARGETS, targets_table(builds)]
+    parts += ["### Targets", _TARGETS, targets_table(plain)]
     parts += ["### Where the logic elements are", _BLOCKS, _blocks(chosen)]
     parts += ["### Where the nanoseconds are", _PATHS, _paths([*chosen, *large])]
+    multiplied = [build for build in builds if build["multiplied"]]
+    if multiplied:
+        parts += ["### With embedded multipliers", _MULTIPLIERS, _multipliers(multiplied, chosen)]
     parts += peers_section(chosen)
     return [part if part.startswith(("|", "#", "-")) else one_line(part) for part in parts]
 
@@ -143,3 +152,21 @@ def _paths(builds: list[Figures]) -> str:
         )
     headings = ["build", "size", "from", "to", "pixels per clock", "Fmax in MHz³", "with each seed"]
     return shown(headings, rows, names=4)
+
+
+def _multipliers(builds: list[Figures], without: list[Figures]) -> str:
+    """Each build above the same with multipliers."""
+    rows = []
+    for build in builds:
+        same = find(without, build["profile"], build["buffering"], build["pixels_per_clock"])
+        rows += [
+            [
+                name(each),
+                str(each["pixels_per_clock"]),
+                *(number(each[field]) for field in ("multipliers", "le_packed", "m9k", "memory_bits")),
+            ]
+            for each in (same, build)
+            if each is not None
+        ]
+    headings = ["build", "pixels per clock", "multipliers", "LE, packed¹", "M9K⁷", "memory bits²"]
+    return shown(headings, rows)

@@ -30,7 +30,8 @@ def page(figures: Figures) -> str:
     """
     builds: list[Figures] = figures["builds"]
     # the paper's tables are about one pixel per clock
-    single = [build for build in builds if build["pixels_per_clock"] == 1]
+    plain = [build for build in builds if not build["multiplied"]]
+    single = [build for build in plain if build["pixels_per_clock"] == 1]
     parts = [
         _INTRODUCTION,
         *_summary(single),
@@ -39,7 +40,7 @@ def page(figures: Figures) -> str:
         *_table_2(single),
         *_table_3(single),
         *_table_4(single),
-        *_every_build(builds),
+        *_every_build(plain),
         *_notes(figures),
     ]
     return "\n\n".join(map(_wrapped, parts)) + "\n"

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from golden import PROFILES
-from hdl.build import PIXELS_PER_CLOCK, Buffering, Build
+from hdl.build import MAX_MULTIPLIERS, PIXELS_PER_CLOCK, Buffering, Build
 from hdl.step_layouts import reads_pixels
 
 SIZES = ((1920, 1080), (1200, 720), (512, 512), (200, 200))
@@ -29,13 +29,17 @@ SEEDS = (1, 2, 3)
 
 @dataclass(frozen=True)
 class Variant:
-    """One detector that is measured."""
+    """One detector that is measured.
+
+    ``multiplied``: squares that multipliers may find, ``Build.multipliers``.
+    """
 
     profile: str
     buffering: Buffering
     width: int
     height: int
     pixels_per_clock: int = 1
+    multiplied: int = 0
 
     @property
     def parameters(self) -> Build:
@@ -45,17 +49,23 @@ class Variant:
             max_width=self.width,
             max_height=self.height,
             pixels_per_clock=self.pixels_per_clock,
+            multipliers=self.multiplied,
         )
 
     @property
     def name(self) -> str:
         lanes = f"p{self.pixels_per_clock}"
-        return f"{self.profile}-{self.buffering}-{lanes}-{self.width}x{self.height}"
+        size = f"{self.width}x{self.height}"
+        multipliers = ("multipliers",) if self.multiplied else ()
+        return "-".join((self.profile, self.buffering, lanes, size, *multipliers))
 
     @property
     def seeds(self) -> tuple[int, ...]:
         """Seeds of place and route; none where it is left out."""
         size = (self.width, self.height)
+        # ECP5's multipliers have no registers of their own in the map, so their clock says little
+        if self.multiplied:
+            return ()
         if self.pixels_per_clock > 1 or size == LANES_SIZE:
             return SEEDS
         return SEEDS[:1] if size in PLACED else ()
@@ -73,7 +83,7 @@ def builds(sizes: Iterable[tuple[int, int]] = SIZES) -> list[Variant]:
 
 def all_builds() -> list[Variant]:
     """All that the page shows, in its order."""
-    return [*builds(), *lanes_builds()]
+    return [*builds(), *lanes_builds(), *multiplied_builds()]
 
 
 def lanes_builds() -> list[Variant]:
@@ -83,3 +93,12 @@ def lanes_builds() -> list[Variant]:
     ]
     chosen += [Variant(name, "lean", *UHD, UHD_PIXELS_PER_CLOCK) for name in PROFILES]
     return [each for each in chosen if not reads_pixels(each.parameters)]
+
+
+def multiplied_builds() -> list[Variant]:
+    """Some with as many squares by multipliers as there are."""
+    return [
+        Variant(name, "lean", *LANES_SIZE, lanes, MAX_MULTIPLIERS)
+        for name in ("paper", "robust")
+        for lanes in (1, UHD_PIXELS_PER_CLOCK)
+    ]

@@ -197,6 +197,7 @@ def test_seeds_are_three_where_pixels_per_clock_are_compared() -> None:
     seeds = {build.name: build.seeds for build in all_builds()}
     assert seeds["paper-lean-p1-1920x1080"] == (1,) and seeds["paper-lean-p1-512x512"] == ()
     assert seeds["precise-banked-p1-1200x720"] == seeds["robust-lean-p8-1200x720"] == (1, 2, 3)
+    assert seeds["robust-lean-p4-1200x720-multipliers"] == ()
     assert seeds["paper-lean-p4-3840x2160"] == (1, 2, 3) and len(seeds) == len(all_builds())
 
 
