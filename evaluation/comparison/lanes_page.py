@@ -16,7 +16,7 @@ from evaluation.comparison.parts import (
 )
 from evaluation.comparison.peers_page import peers_section
 from evaluation.comparison.targets import targets_table
-from evaluation.comparison.variants import LANES_SIZE, UHD, UHD_PIXELS_PER_CLOCK
+from evaluation.comparison.variants import LANES_SIZE, TWO, UHD, UHD_PIXELS_PER_CLOCK
 from evaluation.figures import Figures
 from evaluation.presentation.numbers import number
 from evaluation.presentation.table import Name
@@ -125,9 +125,8 @@ def _speeds(builds: list[Figures]) -> str:
 
 
 def _blocks(builds: list[Figures]) -> str:
-    """A row for each block, a column for each ``lean`` build of the profiles that have several."""
-    several = {build["profile"] for build in builds if build["pixels_per_clock"] > 1}
-    chosen = [build for build in builds if build["profile"] in several and build["buffering"] == "lean"]
+    """A row for each block, a column for each ``lean`` build of :data:`TWO` profiles."""
+    chosen = [build for build in builds if build["profile"] in TWO and build["buffering"] == "lean"]
     columns = [build["blocks"] or {} for build in chosen]
     # a block that only some have keeps its place among the others of the detector with the most
     blocks = dict.fromkeys(each for column in sorted(columns, key=len, reverse=True) for each in column)

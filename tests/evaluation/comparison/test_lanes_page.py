@@ -14,8 +14,7 @@ from evaluation.comparison.targets import TARGETS, targets_table
 from evaluation.comparison.variants import UHD, Variant, all_builds, builds, lanes_builds
 from evaluation.figures import Figures
 from golden import PROFILES
-from hdl.build import PIXELS_PER_CLOCK, Build
-from hdl.step_layouts import reads_pixels
+from hdl.build import PIXELS_PER_CLOCK
 from tests.evaluation.comparison.invented import TOOLS, UNMEASURED, invented, row
 
 SECTION = "Several pixels per clock"
@@ -51,9 +50,7 @@ def rows(text: str, first: str) -> list[list[str]]:
 
 def test_every_profile_has_every_number_of_pixels_per_clock() -> None:
     several = {(build.profile, build.pixels_per_clock) for build in lanes_builds()}
-    for profile in PROFILES:
-        if not reads_pixels(Build.profile(profile)):
-            assert {(profile, lanes) for lanes in PIXELS_PER_CLOCK[1:]} <= several
+    assert several == {(profile, lanes) for profile in PROFILES for lanes in PIXELS_PER_CLOCK[1:]}
     large = [build for build in lanes_builds() if (build.width, build.height) == UHD]
     assert {build.pixels_per_clock for build in large} == {4}
 
