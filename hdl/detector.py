@@ -150,6 +150,16 @@ class Detector(wiring.Component):
         cells = selection.insertion.clocks if selection else 0
         return max(interval, cells, self._windows.interval)
 
+    @property
+    def pixels_per_corner(self) -> int:
+        """Pixels from one corner to the next, on average, from which on the input never waits.
+
+        What comes closer together fills the queues, and then the input waits. Corners count, and
+        with several pixels per clock peaks above T1, too, which are candidates; gradient steps also
+        wait for rows of pixels, which this leaves out.
+        """
+        return self._parameters.pixels_per_clock * self._corner_interval
+
     def frame_latency(self, width: int) -> int:
         """Clocks from a frame's last pixel to its end-of-frame record, for either buffering.
 

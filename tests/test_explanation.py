@@ -77,6 +77,14 @@ def test_clocks_of_windows_that_are_read() -> None:
         assert [CandidateStage(build).candidate_ring.interval for build in builds] == told
 
 
+@pytest.mark.parametrize("profile", ["robust", "paper"])
+def test_pixels_per_corner(profile: str) -> None:
+    builds = [Build.profile(profile, pixels_per_clock=p) for p in PIXELS_PER_CLOCK]
+    assert rows(HARDWARE, f"`{profile}`")[1:] == [str(Detector(build).pixels_per_corner) for build in builds]
+    assert [build.candidate_beats for build in builds] == [2 * build.queue_depth for build in builds]
+    assert [build.ring_beats for build in builds[1:]] == [256, 512 if profile == "paper" else 256, 256]
+
+
 def test_clocks_of_gradient_steps() -> None:
     builds = [Build.profile("precise", pixels_per_clock=p) for p in PIXELS_PER_CLOCK]
     one, two, *more = [RecordStage(build).refinement.interval for build in builds]
