@@ -32,6 +32,7 @@ read_rtlil design.il
 hierarchy -top top
 proc
 flatten
+opt_clean
 memory_map
 async2sync
 chformal -lower
