@@ -12,7 +12,8 @@ from hdl.detector import Detector
 from sim.engines import make_engine
 from sim.frames import Frame, frame_stimulus, simulate_frames
 from sim.stimulus import Stalls, Stimulus
-from tests.support.detectors import MIXTURES, check, engine, noise, run
+from tests.support.builds import each
+from tests.support.detectors import MIXTURES, SMALL, check, engine, noise, run
 from tests.support.filters import lenient
 from tests.support.photographs import photograph
 
@@ -112,3 +113,86 @@ def test_a_run_lasts_until_cells_have_chosen() -> None:
     one = Settings.default(build, sigma1=0, sigma2=lenient(build), report_rejected=True, **cell)
     (frame,) = run(build, [(noise(20, 64, 20), one)]).frames
     assert len(frame.records) == 2 and frame.end_of_frame - frame.last_pixel > 800
+
+
+LANES_SMALL = {
+    f"{buffering}, P={lanes}": Build.profile(
+        "precise", **SMALL, buffering=buffering, pixels_per_clock=lanes, **more
+    )
+    for lanes, buffering, more in (
+        (2, "lean", {}),
+        (2, "banked", {"video_out": True, "max_per_cell": 2}),
+        (4, "lean", {"budget": True, "video_out": True, "max_per_cell": 4, "min_cell_width": 16}),
+        (4, "banked", {}),
+        (8, "lean", {}),
+        (8, "banked", {"budget": True}),
+    )
+} | {
+    f"{name}, P={lanes}": MIXTURES[name].changed(pixels_per_clock=lanes, **SMALL)
+    for name, lanes in (
+        ("paper, gradient step, adaptive threshold", 4),
+        ("Sobel gradients, adaptive threshold, gradient step", 2),
+        ("10-bit pixels", 4),
+        ("gradient step with budget, suppression", 8),
+        ("banked, gradient step, smoothed twice, no texture filter", 2),
+    )
+}
+
+
+@pytest.mark.parametrize(
+    "stalls",
+    [Stalls(), Stalls(0.2, 0.5, 3), Stalls(outputs=0.97, seed=2)],
+    ids=["none", "both", "clogged"],
+)
+@each("build", LANES_SMALL, quick=("lean, P=2",))
+def test_several_pixels_per_clock(build: Build, stalls: Stalls) -> None:
+    """Frames of all sizes back to back, down to the smallest, of which several wait at a time."""
+    high, wide = build.algorithm.support, build.min_width
+    sizes = [(high, wide), (40, 61), (high + 1, wide + 1), *[(high, wide)] * 3, (33, 50), (high, 64)]
+    changes = [
+        {
+            **({"max_corners": k % 3 * 5, "target_corners": k % 2 * 20} if build.budget else {}),
+            **(
+                {"cell_width": build.min_cell_width << k % 2, "cell_height": 16, "per_cell": k % 3 % 2}
+                if build.max_per_cell
+                else {}
+            ),
+        }
+        for k in range(len(sizes))
+    ]
+    run(
+        build,
+        [
+            (
+                noise(*size, k, build),
+                Settings.default(build, sigma1=0.002 * (k % 2), sigma2=lenient(build), **change),
+            )
+            for k, (size, change) in enumerate(zip(sizes, changes, strict=True))
+        ],
+        stalls,
+    )
+
+
+LANES_LARGE = {
+    f"{buffering}, P={lanes}": LEAN.changed(buffering=buffering, pixels_per_clock=lanes)
+    for lanes in (2, 4, 8)
+    for buffering in ("lean", "banked")
+}
+
+
+@each("build", LANES_LARGE, quick=())
+def test_photographs_with_several_pixels_per_clock(build: Build) -> None:
+    """The input waits where corners are dense, and the end of a frame no longer than it may."""
+    camera, grass = photograph("camera")[100:220, 100:400], photograph("grass")[:100, :199]
+    default = Settings.default(build)
+    frames: list[Frame] = [(camera, default), (camera, default), (grass, default), (camera, MANY)]
+    result, detector = run(build, frames), Detector(build)
+    assert all(len(frame.records) > 30 for frame in result.frames[1:])
+    for frame, (image, _) in zip(result.frames, frames, strict=True):
+        late = frame.end_of_frame - frame.last_pixel - detector.frame_latency(image.shape[1])
+        assert build.buffering == "banked" or late <= detector.refinement_latency
+        beats = image.shape[0] * -(-image.shape[1] // build.pixels_per_clock)
+        assert (
+            frame.clocks
+            <= beats + len(frame.records) * 2 * detector.stages["record_stage"].refinement.interval
+        )
