@@ -47,6 +47,20 @@ PARTS = {
         "tests/hdl/parts/test_square_table.py",
         "every_number",
     ),
+    "a multiplier takes the number that comes next": Mutation(
+        "hdl/parts/square_multiplier.py",
+        "product.eq(factor * factor)",
+        "product.eq(factor * self.x[k])",
+        "tests/hdl/parts/test_square_table.py",
+        "every_number and multipliers",
+    ),
+    "one table too many gives way to multipliers": Mutation(
+        "hdl/gradient_squares.py",
+        "multiplies=number < multiplied",
+        "multiplies=number <= multiplied",
+        "tests/hdl/test_multipliers.py",
+        "place_of_a_table and changes0-1",
+    ),
     "the local level counts a column twice": Mutation(
         "hdl/parts/outgoing_column.py",
         "DelayLine(len(value), size - 1)",
