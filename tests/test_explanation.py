@@ -23,6 +23,7 @@ from hdl.detector import Detector
 from hdl.identifiers import plain_port
 from hdl.parts.circular_buffer import CircularBuffer
 from hdl.record_stage import RecordStage
+from hdl.step_layouts import columns_read, rows_kept, steps_in_flight
 from hdl.subpixel import Subpixel
 from hdl.thresholds import settings_layout
 from tests.support.photographs import PHOTOGRAPHS, photograph
@@ -91,6 +92,10 @@ def test_clocks_of_gradient_steps() -> None:
     assert more[0] == more[1]
     assert f"while many wait, a candidate takes {one} clocks" in prose(HARDWARE)
     assert f"While many wait, a candidate then takes {two} or {more[0]} clocks." in prose(HARDWARE)
+    # as the page tells them
+    assert [rows_kept(build) for build in builds] == [16, 32, 32, 32]
+    assert [columns_read(build) for build in builds] == [1, 2, 4, 4]
+    assert [steps_in_flight(build) for build in builds] == [4, 8, 8, 8]
 
 
 def test_memory_bits() -> None:
