@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import re
+import runpy
 from pathlib import Path
 
 import pytest
 
 from cornerstream.cli import main
-from evaluation.comparison import paper_tables
-from evaluation.comparison.page import FIGURES_NAME
 from golden import Parameters, Settings, detect
 from golden.algorithm import DEFAULT_PROFILE
 from hdl.build import Build
@@ -20,40 +18,27 @@ from tests.support.runner import CliRunner
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+TABLE = runpy.run_path(str(ROOT / "docs" / "tools" / "readme_table.py"))
 
 
-def row(first_cell: str) -> list[str]:
-    """Cells of the one table row that begins with this cell, without it."""
-    (line,) = (line for line in README.splitlines() if line.startswith(f"| {first_cell} |"))
-    return [cell.strip() for cell in line.strip("|").split("|")][1:]
+def test_first_table_is_that_of_the_comparison_page() -> None:
+    """Figures as committed, or: run ``python docs/tools/readme_table.py``."""
+    assert TABLE["table"](TABLE["committed"]()) in README
 
 
-@pytest.mark.parametrize(
-    ("profile", "buffering"),
-    [("paper", "lean"), ("paper", "banked"), ("robust", "lean"), ("precise", "lean")],
-)
-def test_synthesis_figures(profile: str, buffering: str) -> None:
-    """Area and clock of the paper's size are those that are committed with the comparison page."""
-    wanted = {"profile": profile, "buffering": buffering, "width": 1200, "height": 720}
-    wanted["pixels_per_clock"] = 1
-    path = ROOT / "docs" / "results" / FIGURES_NAME
-    builds = json.loads(path.read_text(encoding="utf-8"))["builds"]
-    (build,) = (each for each in builds if wanted.items() <= each.items())
-    assert row(f"profile `{profile}`, `{buffering}` buffers") == [
-        f"{build['le_packed']:,}",
-        f"{build['memory_bits']:,}",
-        f"{build['fmax_mhz']:.1f}",
+def test_first_table() -> None:
+    """The paper's figures; pixels per second are pixels per clock times the clock."""
+    build = {
+        **{"profile": "robust", "buffering": "lean", "width": 1200, "height": 720, "multiplied": 0},
+        **{"pixels_per_clock": 4, "le_packed": 1234, "memory_bits": 5678, "fmax_mhz": 150.3},
+    }
+    lines = TABLE["table"]([build, {**build, "width": 512}, {**build, "multiplied": 6}]).splitlines()
+    assert lines[2:] == [
+        "| the paper | 1 | 6,507 | 803,104 | 100 as run | 91 |",
+        "| profile `robust`, `lean` buffers | 4 | 1,234 | 5,678 | 150.3 | 601 |",
     ]
-
-
-def test_figures_of_the_paper() -> None:
-    demand = {resource.name: resource.demand for resource in paper_tables.TABLE_1}
-    assert row("the paper") == [
-        f"{demand['Total logic elements']:,}",
-        f"{demand['Total memory bits']:,}",
-        f"{paper_tables.CLOCK_MHZ} as run",
-    ]
-    assert demand["Embedded multiplier elements"] == 0
+    new = TABLE["replaced"](README, "| new |")
+    assert new.count("| new |") == 1 and "the paper |" not in new and new.endswith(README[-500:])
 
 
 def test_default_profile() -> None:
