@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -263,23 +264,23 @@ class NormalEquations(wiring.Component):
 
     def _add_up(self, pipe: Pipeline, last: _Column, others: list[_Column]) -> _Column:
         """All columns of a beat, a clock later; c2 and b2 less the Q of A and of C in the beat."""
-        once, behind = [1] * len(others), [len(others) - k for k in range(len(others))]
 
-        def total(field: str, times: list[int], name: str) -> Value:
-            """The others' values, each so many times."""
-            numbers = [getattr(other, field) for other in others]
-            if len(numbers) == 1:
-                return numbers[0]
-            products = [number * k for number, k in zip(numbers, times, strict=True)]
-            return pipe.register(sum(products[1:], start=products[0]), f"{name}_{field}")
+        def total(field: str) -> Value:
+            """The others' values."""
+            first, *rest = (getattr(other, field) for other in others)
+            return pipe.register(sum(rest, start=first), f"others_{field}") if rest else first
+
+        def total_behind(field: str) -> Value:
+            """Each of them as many times as there are columns behind it."""
+            first, *rest = accumulate(getattr(other, field) for other in others)
+            return pipe.register(sum(rest, start=first), f"behind_{field}") if rest else first
 
         def everything(field: str) -> Signal:
-            others_alone = total(field, once, "others")
-            return pipe.register(getattr(last, field) + (others_alone << PLACE_BITS), f"all_{field}")
+            return pipe.register(getattr(last, field) + (total(field) << PLACE_BITS), f"all_{field}")
 
-        a, b, d = (total(field, behind, "behind") for field in "abd")
+        a, b, d = (total_behind(field) for field in "abd")
         c = pipe.register((a + b - d)[1:].as_signed(), "behind_c")
-        c2, b2 = total("c2", once, "others"), pipe.register(total("b2", once, "others"), "others_b2_late")
+        c2, b2 = total("c2"), pipe.register(total("b2"), "others_b2_late")
         # the last column's have their weights, in units of 1/256
         c2 = pipe.register(last.c2 + (((c2 << PLACE_BITS) - a) << PLACE_BITS), "all_c2")
         b2 = pipe.register(last.b2 + (((b2 << PLACE_BITS) - c) << PLACE_BITS), "all_b2")
