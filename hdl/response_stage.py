@@ -14,6 +14,7 @@ from hdl.build import Build
 from hdl.convolution import Convolution
 from hdl.frame_control import FrameControl
 from hdl.parts.circular_buffer import CircularBuffer
+from hdl.parts.elastic_queue import ElasticQueue
 from hdl.parts.nets import chain, connect_by_name
 from hdl.parts.optional import optional
 from hdl.parts.stream import Beat, SkidBuffer
@@ -32,6 +33,10 @@ class ResponseStage(wiring.Component):
         pixels ─ frame control ─ (pixel store) ─ (buffer 3 ─ pixel filter) ─┐
             ┌───────────────────────────────────────────────────────────────┘
             └ buffer 7 ─ preprocessing ─ convolution ─ response ─ skid ─ thresholds ─ samples
+
+    With several pixels per clock a queue takes the place of the skid, and preprocessing,
+    convolution and response never stop: beats go in as long as the queue has room for all that are
+    under way.
 
     There is a pixel filter for each time that pixels are smoothed, with two rows of pixels (lean)
     of its own; and a pixel store for the gradient step, which reads pixels as they come.
@@ -68,7 +73,15 @@ class ResponseStage(wiring.Component):
         self.preprocessing = Preprocessing(p)
         self.convolution = Convolution(p)
         self.response = Response(p)
-        self.skid = SkidBuffer(Beat(samples))
+        self._free: dict[str, Any] = {
+            "preprocessing": self.preprocessing,
+            "convolution": self.convolution,
+            "response": self.response,
+        }
+        under_way = sum(block.latency for block in self._free.values())
+        self.skid: Any = SkidBuffer(Beat(samples))
+        if p.pixels_per_clock > 1:
+            self.skid = ElasticQueue(Beat(samples), under_way)
         self.thresholds = Thresholds(p)
         kept = rows_kept(p)
         self._store = optional(reads_pixels(p), **{"pixel store": PixelStore(p, kept)})
@@ -94,10 +107,8 @@ class ResponseStage(wiring.Component):
             **self._store,
             **self._filters,
             "pixel buffer": self.pixel_buffer,
-            "preprocessing": self.preprocessing,
-            "convolution": self.convolution,
-            "response": self.response,
-            "response skid": self.skid,
+            **self._free,
+            **{"response skid" if self._parameters.pixels_per_clock == 1 else "response queue": self.skid},
             "thresholds": self.thresholds,
         }
 
@@ -110,7 +121,12 @@ class ResponseStage(wiring.Component):
         for name, _ in settings_layout(self._parameters):
             m.d.comb += control.next_settings[name].eq(getattr(self, str(name)))
         # in the order of their way, thresholds last
-        chain(m, *self.blocks.values())
+        blocks = list(self.blocks.values())
+        if self._parameters.pixels_per_clock == 1:
+            chain(m, *blocks)
+        else:
+            first = blocks.index(self.preprocessing)
+            self._free_run(m, blocks[:first], blocks[first:])
         for store in self._store.values():
             connect_by_name(m, wiring.flipped(self), store, names=store_members(self._parameters, 1))
         wiring.connect(m, thresholds.o, wiring.flipped(self.samples))
@@ -118,3 +134,14 @@ class ResponseStage(wiring.Component):
         wiring.connect(m, thresholds.thresholds, wiring.flipped(self.limits))
         connect_by_name(m, wiring.flipped(self), thresholds, names=("largest", "adapted", "adapting"))
         return m
+
+    def _free_run(self, m: Module, before: list[Any], free: list[Any]) -> None:
+        """Beats go on from where they can wait to what never stops while the queue has room."""
+        chain(m, *before)
+        chain(m, *free)
+        source, sink, room = before[-1].o, free[0].i, self.skid.room
+        m.d.comb += [
+            source.ready.eq(room),
+            sink.valid.eq(source.valid & room),
+            sink.payload.eq(source.payload),
+        ]
