@@ -22,7 +22,7 @@ def stage_build(profile: str, lanes: int, **changes: Any) -> Build:
 
 BUILDS = {
     "lean": stage_build("robust", 2),
-    "gradients once": stage_build("paper", 4),
+    "without filters": stage_build("paper", 4),
     "filtered": stage_build("robust", 8, buffering="banked"),
 }
 

@@ -12,6 +12,13 @@ LANES = {
         "tests/hdl/parts/test_lanes.py",
         "to_the_left and unstalled",
     ),
+    "the queue behind the responses forgets what is under way": Mutation(
+        "hdl/parts/elastic_queue.py",
+        "level < self._most",
+        "level < PLACES",
+        "tests/hdl/parts/test_elastic_queue.py",
+        "amaranth-full",
+    ),
     "two lanes of a peak mask change places": Mutation(
         "hdl/peak_mask.py",
         "Cat(peaks.values) & marks[2:]",
