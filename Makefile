@@ -67,7 +67,7 @@ export: | $(CORE)  ## build/quartus: the core with a Quartus project for Cyclone
 synth: | $(SYNTH)  ## area on Cyclone IV by block, clock frequency on ECP5 as a stand-in
 	$(BIN)/cornerstream synth $(ARGS)
 
-compare: | $(SYNTH)  ## every figure of docs/results/comparison.md, measured again: half an hour and more
+compare: | $(SYNTH)  ## every figure of docs/results/comparison.md, measured again: hours
 	$(BIN)/cornerstream compare $(ARGS)
 
 test: lint  ## ruff, mypy and all tests; options for pytest in ARGS=

@@ -51,16 +51,17 @@ LONGEST = 3000
     type=click.IntRange(min=1),
     default=os.cpu_count() or 1,
     show_default="processors",
-    help="Builds measured at a time; each takes about 1 GB.",
+    help="Builds measured at a time; each takes 1 to 2 GB.",
 )
 def compare(
     output: Path | None, page_only: bool, quick: bool, no_synthesis: bool, only: tuple[str, ...], jobs: int
 ) -> None:
     """Measure area, speed and clocks per frame of every build, beside the paper's Tables 1 to 4.
 
-    It takes about half an hour, and needs pip install 'cornerstream[synth]'. Figures that were
-    measured before and cannot have changed are taken from build/comparison; remove that folder to
-    measure everything again.
+    It takes about two hours with two processors, half of an hour of it for one pixel per clock, and
+    needs pip install 'cornerstream[synth]'. Figures that were measured before and cannot have
+    changed are taken from build/comparison, so that what was interrupted goes on where it stopped;
+    remove that folder to measure everything again.
 
     \b
     Examples:
