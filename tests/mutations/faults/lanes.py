@@ -59,7 +59,7 @@ LANES = {
         "Mux(a_counts | b_counts, Mux(a_counts & (~b_counts | (a > b)), a, b), 0)",
         "larger(a, b)",
         "tests/hdl/test_candidate_stage.py",
-        "3x3-2-unstalled",
+        "3x3 and unstalled",
     ),
     "a smoothed response lacks its neighbour in the beat before": Mutation(
         "hdl/smoothed_beats.py",
@@ -103,10 +103,22 @@ LANES = {
         "tests/hdl/test_cell_beats.py",
         "7 and unstalled",
     ),
-    "a unit's turn is skipped": Mutation(
+    "columns are written over while a candidate waits for them": Mutation(
+        "hdl/candidate_ring.py",
+        "SLACK = 32",
+        "SLACK = 1",
+        "tests/hdl/test_candidate_ring.py",
+    ),
+    "the halves of a beat of columns change places": Mutation(
+        "hdl/candidate_ring.py",
+        "Mux(upper, groups[1], groups[0])",
+        "Mux(upper, groups[0], groups[1])",
+        "tests/hdl/test_candidate_ring.py",
+    ),
+    "it is forgotten which unit has which candidate": Mutation(
         "hdl/refinement_units.py",
-        "turn.eq(Mux(turn == count - 1, 0, turn + 1))",
-        "turn.eq(Mux(turn == count - 1, port is self.o, turn + 1))",
+        "order.i.payload.eq(taking)",
+        "order.i.payload.eq(0)",
         "tests/hdl/test_refinement_units.py",
         "test_offsets and three and amaranth-unstalled",
     ),

@@ -133,8 +133,8 @@ RECORDS = {
     ),
     "an offset is taken from the unit that takes a candidate": Mutation(
         "hdl/refinement_units.py",
-        "self.o.ready & (giving == k)",
-        "self.o.ready & (taking == k)",
+        "order.o.valid & (giving == k)",
+        "order.o.valid & (taking == k)",
         "tests/hdl/test_refinement_units.py",
         "test_offsets and three and amaranth-unstalled",
     ),
