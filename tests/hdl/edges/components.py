@@ -1,4 +1,4 @@
-"""The video detector with inputs for the simulation's engines, and its packets sorted."""
+"""Video detector and Avalon core with inputs for the simulation's engines; packets sorted."""
 
 from __future__ import annotations
 
@@ -6,16 +6,18 @@ from typing import Any
 
 import numpy as np
 from amaranth.hdl import Module
-from amaranth.lib import stream, wiring
+from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.output_constructor import COUNT_BITS, Records
 from golden.video import NO_LIMIT
 from hdl.build import Build
+from hdl.edges.avalon import AvalonCore
 from hdl.edges.frame_guard import arriving_layout
 from hdl.edges.overlay import overlay_layout
 from hdl.edges.video_detector import VideoDetector
 from hdl.output_constructor import record_layout
+from hdl.parts.optional import optional
 from hdl.thresholds import settings_layout
 from sim import Capture
 from tests.support.beats import in_words
@@ -55,6 +57,49 @@ class PlainVideoDetector(wiring.Component):
             m.d.comb += dut.control[name].eq(getattr(self, name))
         for name, _ in settings_layout(self._parameters):
             m.d.comb += dut.control.settings[name].eq(getattr(self, str(name)))
+        return m
+
+
+class PlainAvalonCore(wiring.Component):
+    """``AvalonCore`` with streams for the simulation's engines; registers stay as they are."""
+
+    def __init__(self, build: Build) -> None:
+        self.dut = AvalonCore(build)
+        lanes = build.pixels_per_clock
+        beat = data.StructLayout(
+            {
+                "data": lanes * build.pixel_bits,
+                **optional(lanes > 1, empty=range(lanes)),
+                "start": 1,
+                "end": 1,
+            }
+        )
+        super().__init__(
+            {
+                "video": In(stream.Signature(beat)),
+                "records": Out(stream.Signature(record_layout())),
+                "starts": Out(stream.Signature(1, always_ready=True)),
+            }
+        )
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.dut = dut = self.dut
+        m.d.comb += [
+            dut.asi_video_valid.eq(self.video.valid),
+            dut.asi_video_data.eq(self.video.payload.data),
+            dut.asi_video_startofpacket.eq(self.video.payload.start),
+            dut.asi_video_endofpacket.eq(self.video.payload.end),
+            self.video.ready.eq(dut.asi_video_ready),
+            self.records.valid.eq(dut.aso_records_valid),
+            self.records.payload.record.eq(dut.aso_records_data),
+            self.records.payload.last.eq(dut.aso_records_endofpacket),
+            dut.aso_records_ready.eq(self.records.ready),
+            self.starts.valid.eq(dut.aso_records_valid & dut.aso_records_ready),
+            self.starts.payload.eq(dut.aso_records_startofpacket),
+        ]
+        if hasattr(dut, "asi_video_empty"):
+            m.d.comb += dut.asi_video_empty.eq(self.video.payload.empty)
         return m
 
 

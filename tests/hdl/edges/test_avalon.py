@@ -7,63 +7,26 @@ from typing import Any
 
 import numpy as np
 import pytest
-from amaranth.hdl import Cat, Module
-from amaranth.lib import data, stream, wiring
-from amaranth.lib.wiring import In, Out
 
-from golden import Parameters, Settings
+from golden import Settings
 from golden.output_constructor import encode_frame_time
 from golden.preprocessing import Image
 from golden.video import Event, VideoModel, VideoSettings, framed
 from hdl.build import Build
 from hdl.edges.avalon import AvalonCore
 from hdl.edges.register_map import IDENTITY, register_map
-from hdl.output_constructor import record_layout
 from sim import Stalls, Stimulus
 from sim.engine import EngineName
 from tests.hdl.edges.bench import simulate
-from tests.hdl.edges.components import packets
+from tests.hdl.edges.components import PlainAvalonCore, packets
 from tests.support.blocks import ENGINES, NO_STALLS, engine
 from tests.support.photographs import photograph
 
 WIDTH, HEIGHT = 33, 24
 PARAMETERS = Build.profile("paper", max_width=WIDTH, max_height=HEIGHT, autostart=True)
-BEAT = data.StructLayout({"data": 8, "start": 1, "end": 1})
 CONTROL_PACKET = [0xF, 0, 0, 2, 1, 0, 0, 1, 8, 3]
 SIGMA1 = Settings.default(PARAMETERS).sigma1_fixed
 ADDRESSES = {register.name: register.address >> 2 for register in register_map(PARAMETERS)}
-
-
-class PlainAvalonCore(wiring.Component):
-    """``AvalonCore`` with streams for the simulation's engines; registers stay as they are."""
-
-    def __init__(self, parameters: Parameters) -> None:
-        self.dut = AvalonCore(parameters)
-        super().__init__(
-            {
-                "video": In(stream.Signature(BEAT)),
-                "records": Out(stream.Signature(record_layout())),
-                "starts": Out(stream.Signature(1, always_ready=True)),
-            }
-        )
-
-    def elaborate(self, platform: Any) -> Module:
-        m = Module()
-        m.submodules.dut = dut = self.dut
-        m.d.comb += [
-            dut.asi_video_valid.eq(self.video.valid),
-            Cat(dut.asi_video_data, dut.asi_video_startofpacket, dut.asi_video_endofpacket).eq(
-                self.video.payload
-            ),
-            self.video.ready.eq(dut.asi_video_ready),
-            self.records.valid.eq(dut.aso_records_valid),
-            self.records.payload.record.eq(dut.aso_records_data),
-            self.records.payload.last.eq(dut.aso_records_endofpacket),
-            dut.aso_records_ready.eq(self.records.ready),
-            self.starts.valid.eq(dut.aso_records_valid & dut.aso_records_ready),
-            self.starts.payload.eq(dut.aso_records_startofpacket),
-        ]
-        return m
 
 
 def packet(symbols: list[int]) -> list[int]:
