@@ -25,18 +25,20 @@ from golden.video import VideoModel, VideoSettings, framed
 from hdl.build import Build
 from sim.compiler import build, run_tool
 from sim.verilator import verilator_root
+from tests.support.builds import each
 
 WIDTH, HEIGHT = 64, 48
 FRAMES = 4
 SIGMA2 = 2.0
 """What the example sets."""
 CORES = ("cornerstream", "cornerstream_core")
-INTERFACES: list[PackageInterface] = ["axi", "avalon"]
 VARIANTS: list[tuple[PackageInterface, dict[str, Any]]] = [
     ("axi", {}),
     ("axi", {"video_out": True, "pixel_bits": 10, "autostart": True}),
     ("axi", {"max_width": 15, "max_height": 15, "pixel_bits": 4}),
+    ("axi", {"pixels_per_clock": 4, "buffering": "lean", "max_width": 62, "video_out": True}),
     ("avalon", {}),
+    ("avalon", {"pixels_per_clock": 2, "buffering": "lean", "max_width": 63, "pixel_bits": 10}),
     ("avalon", {"max_width": 1000, "max_height": 800, "pixel_bits": 10, "buffering": "lean"}),
 ]
 
@@ -88,18 +90,18 @@ def test_lint(interface: PackageInterface, changes: dict[str, Any], tmp_path: Pa
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def squares(frame: int) -> NDArray[np.uint8]:
+def squares(frame: int, width: int) -> NDArray[np.uint8]:
     """The test pattern of the example."""
-    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    y, x = np.mgrid[:HEIGHT, :width]
     inside = ((x % 32 + 4 * (frame % 8)) % 32 >= 16) & ((y % 32 + 2 * (frame % 16)) % 32 >= 16)
     return np.where(inside, 192, 64).astype(np.uint8)
 
 
 def expected(parameters: Parameters) -> list[int]:
     """Corners of each frame, by the golden model."""
-    model = VideoModel(parameters)
-    settings = VideoSettings(WIDTH, HEIGHT, Settings.default(parameters, sigma2=SIGMA2))
-    return [model.feed(framed(squares(frame)), settings)[0].found for frame in range(FRAMES)]
+    model, width = VideoModel(parameters), min(WIDTH, parameters.max_width)
+    settings = VideoSettings(width, HEIGHT, Settings.default(parameters, sigma2=SIGMA2))
+    return [model.feed(framed(squares(frame, width)), settings)[0].found for frame in range(FRAMES)]
 
 
 def bench(files: dict[str, str]) -> Path:
@@ -136,12 +138,26 @@ def bench(files: dict[str, str]) -> Path:
     )
 
 
-@pytest.mark.parametrize("interface", INTERFACES)
-def test_the_example_counts_corners(interface: PackageInterface) -> None:
-    program = bench(package(interface))
+AT_WORK: dict[str, tuple[PackageInterface, dict[str, Any]]] = {
+    "axi": ("axi", {}),
+    "avalon": ("avalon", {}),
+    "axi-4": ("axi", {"pixels_per_clock": 4, "buffering": "lean", "max_width": 62, "video_out": True}),
+    "avalon-2": (
+        "avalon",
+        {"pixels_per_clock": 2, "buffering": "lean", "max_width": 63, "pixel_bits": 10},
+    ),
+    "avalon-8": ("avalon", {"pixels_per_clock": 8, "buffering": "lean", "max_width": 61}),
+}
+
+
+@each("core", AT_WORK, quick=("axi", "avalon", "axi-4"))
+def test_the_example_counts_corners(core: tuple[PackageInterface, dict[str, Any]]) -> None:
+    interface, changes = core
+    program = bench(package(interface, **changes))
     done = subprocess.run([program], capture_output=True, text=True, check=True, timeout=60)
     counts = [int(found) for found in re.findall(r"^frame \d+: (\d+) corners$", done.stdout, re.MULTILINE)]
-    assert counts == expected(Build.profile("paper", max_width=WIDTH, max_height=HEIGHT))
+    built = {"max_width": WIDTH, "max_height": HEIGHT, **changes}
+    assert counts == expected(Build.profile("paper", **built))
     assert len(set(counts)) > 1 and min(counts) > 0
     assert "\nDone.\n" in done.stdout
 

@@ -21,8 +21,10 @@ SMALL = {"max_width": 40, "max_height": 32}
 VARIANTS: list[tuple[PackageInterface, dict[str, Any]]] = [
     ("axi", {}),
     ("axi", {"video_out": True, "pixel_bits": 10}),
+    ("axi", {"video_out": True, "pixels_per_clock": 4, "buffering": "lean"}),
     ("avalon", {}),
     ("avalon", {"pixel_bits": 10}),
+    ("avalon", {"pixel_bits": 10, "pixels_per_clock": 2, "buffering": "lean"}),
 ]
 COMMANDS = (
     *("package", "set_module_property", "add_fileset", "set_fileset_property", "add_fileset_file"),
@@ -122,7 +124,11 @@ def test_every_port_is_attached_once(interface: PackageInterface, changes: Any) 
     roles: dict[str, list[str]] = {}
     for name, _, role, _, _ in attached:
         roles.setdefault(name, []).append(role)
-    wanted = {key: value for key, value in ROLES[interface].items() if key[0] in roles}
+    wanted = {key: set(value) for key, value in ROLES[interface].items() if key[0] in roles}
+    if "pixels_per_clock" in changes:
+        for (name, _, _), allowed in wanted.items():
+            if name.startswith("video"):
+                allowed.add({"axi": "tkeep", "avalon": "empty"}[interface])
     assert ("video_out" in roles) == bool(changes.get("video_out"))
     added = [call[1:] for call in calls if call[0] == "add_interface"]
     assert set(added) == set(wanted) and len(added) == len(wanted) == len(roles)
@@ -149,7 +155,10 @@ def test_interfaces_say_what_they_need(interface: PackageInterface, changes: Any
     assert properties["reset"]["synchronousEdges"] == "BOTH"
     assert properties["interrupt"]["associatedAddressablePoint"] == "registers"
     if interface == "avalon":
-        assert properties["video"]["dataBitsPerSymbol"] == widths["asi_video_data"]
+        symbols = changes.get("pixels_per_clock", 1)
+        video = properties["video"]
+        assert int(video["dataBitsPerSymbol"]) * symbols == int(widths["asi_video_data"])
+        assert video.get("symbolsPerBeat", "1") == str(symbols)
         assert properties["records"]["dataBitsPerSymbol"] == widths["aso_records_data"] == "64"
         assert properties["video"]["readyLatency"] == properties["records"]["readyLatency"] == "0"
         registers = properties["registers"]

@@ -287,7 +287,14 @@ def test_the_example_compiles_by_itself(software: Path) -> None:
     assert subprocess.run(command, cwd=software, capture_output=True, text=True, check=False).stderr == ""
 
 
-@pytest.mark.parametrize("parameters", [PARAMETERS, Build.profile("paper", video_out=True)])
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        PARAMETERS,
+        Build.profile("paper", video_out=True),
+        Build.profile("robust", pixels_per_clock=4, max_width=62),
+    ],
+)
 def test_the_header_holds_the_map(parameters: Build) -> None:
     text = software_files(parameters)["software/cornerstream.h"]
     found = re.findall(r"^#define CORNERSTREAM_(\w+) (\w+?)u?$", text, re.MULTILINE)
@@ -299,3 +306,5 @@ def test_the_header_holds_the_map(parameters: Build) -> None:
         for field in register.fields:
             name = f"{register.name}_{field.name.upper()}"
             assert (values[f"{name}_SHIFT"], values[f"{name}_MASK"]) == (field.low, field.mask)
+    built = values["CAPABILITY_AFTER_RESET"] & values["CAPABILITY_PIXELS_PER_CLOCK_MASK"]
+    assert built >> values["CAPABILITY_PIXELS_PER_CLOCK_SHIFT"] == parameters.pixels_per_clock
