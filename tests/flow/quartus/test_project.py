@@ -54,6 +54,15 @@ def test_sources_are_verilog_2001(tmp_path: Path, name: str, buffering: Any) -> 
     assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_multipliers_are_products_that_are_told_of() -> None:
+    build = Build.profile("robust", **SMALL, multipliers=4)
+    files = project_files(build, DEVICES[DEFAULT_DEVICE], clock_mhz=125)
+    assert sum(text.count(" * ") for text in sources(files).values()) == 4
+    told = "multiplier, no PLL, and no vendor's primitive"
+    assert told not in files["README.md"] and "squares are products" in files["README.md"]
+    assert told in exported("robust", "lean")["README.md"]
+
+
 @pytest.mark.parametrize(("name", "buffering"), VARIANTS)
 def test_settings_list_what_there_is(name: str, buffering: Any) -> None:
     files = exported(name, buffering)
