@@ -37,9 +37,9 @@ def ends(bench: Bench, random_: Random) -> list[int]:
 
 async def width_that_leaves(bench: Bench, left: int) -> None:
     """Lines have so many pixels in their last beat."""
-    lines = bench.video.width // bench.lanes * bench.lanes
-    width = min(lines, bench.parameters.max_width - bench.lanes) + left
-    await bench.configure(replace(bench.video, width=width))
+    beats = min(bench.video.width, bench.parameters.max_width - bench.lanes) // bench.lanes
+    least = -(-bench.narrowest // bench.lanes)
+    await bench.configure(replace(bench.video, width=max(least, beats) * bench.lanes + left))
 
 
 async def with_one(
