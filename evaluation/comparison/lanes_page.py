@@ -29,14 +29,14 @@ _SIZE = size_name(*LANES_SIZE)
 _INTRODUCTION = """With `--pixels-per-clock` 2, 4 or 8 that many neighbouring pixels, a beat, go in with
 each clock; a row of W pixels takes ⌈W/P⌉ clocks. The records are the same, bit for bit. What makes
 the response of a pixel is there once for each pixel of a beat; what looks at the window around a
-candidate is there once. Buffers are `lean` unless a row says something else. There are no
-multipliers."""
+candidate is there once. Buffers are `lean` unless a row says something else; there are multipliers in
+the table that is about them only."""
 _COSTS = f"""At {_SIZE}. *Times* is relative to one pixel per clock. Gpixel/s are pixels per clock times
 the clock frequency, for rows that are a whole number of beats. *End of frame* are the clocks from a
 frame's last pixel to its end-of-frame record, measured in a simulation of a frame without corners."""
 _SPEEDS = f"""Frames per second at that clock frequency, computed: a frame takes exactly ⌈W/P⌉·H clocks,
-without blanking. Clocks per frame are counted in a simulation⁸ of {_SIZE}. `precise` takes more
-than ⌈W/P⌉·H where corners are dense."""
+without blanking. Clocks per frame are counted in a simulation⁸ of the built size. For `precise`
+these are upper bounds: it takes more clocks where corners are dense."""
 _LARGE = f"""Built for {size_name(*UHD)}, of which {UHD_PIXELS_PER_CLOCK} pixels per clock make 60 frames/s at
 124.4 MHz without blanking, and at 148.5 MHz with the blanking of HDMI:"""
 _TARGETS = "What was to be reached. The two tables behind show what takes the cells and the nanoseconds."

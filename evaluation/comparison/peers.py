@@ -114,6 +114,7 @@ SOURCES = (
         "DOSLAM",
         "its repository",
         "https://github.com/19801201/DOSLAM",
-        "The whole extraction of ORB features, in four layers of a pyramid, on a Zynq UltraScale+.",
+        "The whole extraction of ORB features, in four layers of a pyramid, on a Zynq UltraScale+; LUTs as the "
+        "picture in its README has them.",
     ),
 )
