@@ -34,7 +34,7 @@ the table that is about them only."""
 _COSTS = f"""At {_SIZE}. *Times* is relative to one pixel per clock. Gpixel/s are pixels per clock times
 the clock frequency, for rows that are a whole number of beats. *End of frame* are the clocks from a
 frame's last pixel to its end-of-frame record, measured in a simulation of a frame without corners."""
-_SPEEDS = f"""Frames per second at that clock frequency, computed: a frame takes exactly ⌈W/P⌉·H clocks,
+_SPEEDS = """Frames per second at that clock frequency, computed: a frame takes exactly ⌈W/P⌉·H clocks,
 without blanking. Clocks per frame are counted in a simulation⁸ of the built size. For `precise`
 these are upper bounds: it takes more clocks where corners are dense."""
 _LARGE = f"""Built for {size_name(*UHD)}, of which {UHD_PIXELS_PER_CLOCK} pixels per clock make 60 frames/s at
