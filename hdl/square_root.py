@@ -42,7 +42,6 @@ class SquareRoot(wiring.Component):
         Result bits between two registers: more saves registers and latency, and lengthens the path.
     looked_up
         Result bits, fewer than all, that come from a table in block RAM instead, two clocks later.
-        What comes out of block RAM is then used without a register that stands by itself.
 
     Members
     -------
@@ -58,8 +57,8 @@ class SquareRoot(wiring.Component):
         self._root_bits = root_bits
         self._bits_per_stage = bits_per_stage
         self._looked_up = looked_up
-        late, single = (TABLE_LATENCY, 0) if looked_up else (0, 1)
-        self._waits = [_wait(late + k // bits_per_stage, single) for k in range(root_bits - looked_up)]
+        late = TABLE_LATENCY if looked_up else 0
+        self._waits = [_wait(late + k // bits_per_stage) for k in range(root_bits - looked_up)]
         _, *rounds = (sum(kind) for kind in zip(*self._waits, strict=True))
         self._lines = [DelayLine(2 * n, clocks) for n, clocks in zip(rounds, RINGS, strict=True)]
         super().__init__({"enable": In(1), "radicand": In(2 * root_bits), "root": Out(root_bits)})
@@ -140,12 +139,12 @@ class SquareRoot(wiring.Component):
         return register
 
 
-def _wait(clocks: int, single: int) -> tuple[int, int, int]:
+def _wait(clocks: int) -> tuple[int, int, int]:
     """Splits ``clocks`` into single registers and rounds of the two delay lines.
 
-    Few of them are single registers, except the last ``single`` ones.
+    Few of them are single registers, except the last.
     """
-    rounds = max(clocks - single, 0)
+    rounds = max(clocks - 1, 0)
     fives = min(rounds % 4, rounds // 5)
     fours = (rounds - 5 * fives) // 4
     return clocks - 4 * fours - 5 * fives, fours, fives
