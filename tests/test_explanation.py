@@ -82,6 +82,9 @@ def test_clocks_of_windows_that_are_read() -> None:
 def test_pixels_per_corner(profile: str) -> None:
     builds = [Build.profile(profile, pixels_per_clock=p) for p in PIXELS_PER_CLOCK]
     assert rows(HARDWARE, f"`{profile}`")[1:] == [str(Detector(build).pixels_per_corner) for build in builds]
+    for filters in ({"texture": "mean"}, {"texture": "patches", "response_filter": "binomial"}):
+        detector = Detector(Build.profile(profile, pixels_per_clock=8, **filters))
+        assert f"corners must be {detector.pixels_per_corner} pixels apart" in prose(HARDWARE)
     assert [build.candidate_beats for build in builds] == [2 * build.queue_depth for build in builds]
     assert [build.ring_beats for build in builds[1:]] == [256, 512 if profile == "paper" else 256, 256]
 
