@@ -1,8 +1,9 @@
 # amaranth: UnusedElaboratable=no
 """Whole detectors with several pixels per clock: every record, every clock.
 
-Mixtures are tested without the way from pixels to responses, see ``test_lane_mixtures``, and that
-way without what comes behind it, see ``test_response_stage_lanes``.
+Mixtures, and eight pixels per clock, are tested without the way from pixels to responses, see
+``test_lane_mixtures``, and that way without what comes behind it, see
+``test_response_stage_lanes``: a whole detector of eight pixels per clock takes minutes to compile.
 """
 
 from __future__ import annotations
@@ -31,7 +32,6 @@ SIZE = {"max_width": 640, "max_height": 672}
 BUILDS = {
     "robust, P=2": Build.profile("robust", **SIZE, pixels_per_clock=2),
     "paper, P=4": Build.profile("paper", **SIZE, pixels_per_clock=4),
-    "paper lean, P=8": Build.profile("paper", **SIZE, buffering="lean", pixels_per_clock=8),
 }
 builds = each("build", BUILDS, quick=("robust, P=2",))
 STALLS = {
@@ -112,7 +112,7 @@ def test_a_change_of_size_costs_at_most_the_push(build: Build) -> None:
     """A frame waits for the rows of a wider one, one in each buffer."""
     least = (build.algorithm.support, build.min_width)
     sizes = [(24, 64), (20, 512), (24, 64), (512, least[1] + 3), (20, 509), (24, 64)]
-    frames = [(noise(*size, k, build), both_kinds(build)) for k, size in enumerate(sizes)]
+    frames = [(noise(*size, k, build), Settings.default(build)) for k, size in enumerate(sizes)]
     result = run(build, frames)
     push = build.rows_late * 512 // build.pixels_per_clock
     for frame, beats in zip(result.frames, clocks_of(build, frames), strict=True):

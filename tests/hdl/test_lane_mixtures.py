@@ -25,6 +25,7 @@ from tests.support.behind_responses import run, run_with_reset
 from tests.support.builds import each
 from tests.support.detectors import MIXTURES, SMALL, both_kinds, noise
 from tests.support.filters import lenient
+from tests.support.photographs import PHOTOGRAPHS, photograph
 from tests.support.strategies import any_settings, images
 
 WITH_LANES = {
@@ -66,6 +67,11 @@ STALLS = {
 }
 
 
+def everything(build: Build) -> Settings:
+    """The most corners that there can be."""
+    return Settings.default(build, sigma1=0, sigma2=lenient(build), report_rejected=True)
+
+
 def beats_of_responses(build: Build, size: tuple[int, int]) -> list[int]:
     """Beats of each row of responses of a frame of this (height, width)."""
     lost, (height, width) = 2 * build.algorithm.response_margin, size
@@ -91,11 +97,10 @@ def test_sizes(build: Build, stalls: Stalls) -> None:
 @builds
 def test_more_candidates_than_can_be_read(build: Build, stalls: Stalls) -> None:
     """Dots as near to each other as peaks can be, ties in plenty, noise: the samples wait."""
-    everything = Settings.default(build, sigma1=0, sigma2=lenient(build), report_rejected=True)
     y, x = np.mgrid[:64, :64]
     grids = [(x % n == 0) & (y % n == 0) for n in range(2, 7)]
     tosses = [noise(64, 64, seed, build) > build.pixel_max // 2 for seed in range(2)]
-    frames = [(black_and_white(build, values), everything) for values in [*grids, *tosses]]
+    frames = [(black_and_white(build, values), everything(build)) for values in [*grids, *tosses]]
     capture = run(build, frames, stalls)
     assert len(capture.output_clocks["o"]) > 150 or build.algorithm.suppression > 2
 
@@ -129,6 +134,20 @@ def test_any_images_sizes_and_stalls(build: Build, data: st.DataObject) -> None:
     frames: list[Frame] = data.draw(st.lists(st.tuples(image, any_settings(build)), min_size=1, max_size=4))
     chance = st.sampled_from([0.0, 0.1, 0.5, 0.9])
     run(build, frames, data.draw(st.builds(Stalls, chance, chance, st.integers(0, 1000))))
+
+
+@each("name", {name: name for name in PHOTOGRAPHS}, quick=())
+@pytest.mark.parametrize("profile", ["paper", "robust"])
+def test_photographs(profile: str, name: str) -> None:
+    """With eight pixels per clock the samples never wait within a frame, whatever is refined."""
+    build = Build.profile(profile, max_width=640, max_height=672, buffering="lean", pixels_per_clock=8)
+    image = photograph(name)
+    chosen = [Settings.default(build), everything(build), both_kinds(build)]
+    frames: list[Frame] = [(image[:, : image.shape[1] - k], each) for k, each in enumerate(chosen)]
+    clocks = run(build, frames).input_clocks["samples"]
+    ends = np.cumsum([sum(beats_of_responses(build, image.shape)) for image, _ in frames])
+    within = [np.diff(each) for each in np.split(clocks, ends[:-1])]
+    assert [int(steps.max()) for steps in within] == [1, 1, 1]
 
 
 @builds
