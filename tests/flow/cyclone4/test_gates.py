@@ -1,7 +1,8 @@
 # amaranth: UnusedElaboratable=no
 """The mapped netlist on a photograph, in Verilator: every record is the golden model's.
 
-Of every profile, and of the divider alone, whose table is the narrowest memory with contents.
+Of every profile, also with four pixels per clock, and of the divider alone, whose table is the
+narrowest memory with contents.
 """
 
 from __future__ import annotations
@@ -29,23 +30,26 @@ from tests.support.dividing import FORMATS, Dividing, Format, operands, quotient
 from tests.support.photographs import photograph
 
 WIDTH, HEIGHT = 96, 64
-BUILDS: dict[str, tuple[str, Buffering]] = {
-    "lean": ("paper", "lean"),
-    "banked": ("paper", "banked"),
-    "robust": ("robust", "lean"),
-    "precise": ("precise", "lean"),
+BUILDS: dict[str, tuple[str, Buffering, int]] = {
+    "lean": ("paper", "lean", 1),
+    "banked": ("paper", "banked", 1),
+    "robust": ("robust", "lean", 1),
+    "precise": ("precise", "lean", 1),
+    "paper, P=4": ("paper", "banked", 4),
+    "robust, P=4": ("robust", "lean", 4),
 }
 
 
 @cache
-def synthesized(name: str, buffering: Buffering) -> Synthesis:
-    return synthesize(Build.profile(name, max_width=WIDTH, max_height=HEIGHT, buffering=buffering))
+def synthesized(name: str, buffering: Buffering, lanes: int) -> Synthesis:
+    size = {"max_width": WIDTH, "max_height": HEIGHT}
+    return synthesize(Build.profile(name, **size, buffering=buffering, pixels_per_clock=lanes))
 
 
 @pytest.mark.slow
 @each("build", BUILDS, quick=[])
 def test_netlist_is_bit_exact_on_a_photograph(
-    build: tuple[str, Buffering], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    build: tuple[str, Buffering, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # optimized, so many gates take a minute to compile, and these frames a second
     monkeypatch.setenv(FLAGS_VARIABLE, "-O0")
@@ -70,7 +74,7 @@ def test_netlist_is_bit_exact_on_a_photograph(
 
 
 def test_netlist_is_what_was_counted() -> None:
-    synthesis = synthesized("paper", "lean")
+    synthesis = synthesized("paper", "lean", 1)
     modules = set(re.findall(r"^module (\S+)", synthesis.verilog, re.MULTILINE))
     instances = re.findall(r"^  ([\w\\$.]+) (?:#\(|\S+ +\()", synthesis.verilog, re.MULTILINE)
     found = Counter(kind for kind in instances if kind not in modules)
