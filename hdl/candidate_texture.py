@@ -49,8 +49,8 @@ class CandidateTexture(wiring.Component):
     left one from the outer column, the right one from the centre. There s counts down.
 
     With one column per clock these are 634 logic elements of Cyclone IV by the project's estimate
-    (8-bit pixels), with two 1,174; the texture filter, which keeps sums of later windows, 1,051. Two
-    readers in turn would need two of these, and a second selection of a lane (720).
+    (8-bit pixels), with two 1,174; the texture filter, which keeps sums of later windows, 1,051.
+    Two readers in turn would need two of these, and a second selection of a lane (720).
 
     An absolute value is the difference with all its bits inverted where it is negative, and 1 more,
     which is the carry of a later addition.
