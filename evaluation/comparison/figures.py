@@ -39,6 +39,7 @@ from sim import compare, make_engine, simulate_frames, summarize
 Notify = Callable[[str], None]
 
 AREA_FIELDS = ("lut4", "ff", "le_packed", "le_lower", "le_upper", "m9k", "memory_bits", "multipliers")
+TIMING_FIELDS = ("fmax_mhz", "path", "placed_on")
 FRAMES = 3
 """Frames of the photograph back to back.
 
@@ -130,11 +131,15 @@ def netlist(parameters: Build) -> Json:
 def timing(netlist: Callable[[], Json], seed: int) -> Figures:
     """Fmax after place and route for ECP5, which stands in for Cyclone IV, and the slowest path.
 
-    ``path``: the signals between which that path goes; ``placed_on``: the device.
+    ``path``: the signals between which that path goes; ``placed_on``: the device. All None where
+    no ECP5 is large enough.
     """
-    from flow.ecp5.timing import place
+    from flow.ecp5.timing import TooLargeError, place
 
-    placed = place(netlist(), DEVICES[DEFAULT_DEVICE], seed=seed)
+    try:
+        placed = place(netlist(), DEVICES[DEFAULT_DEVICE], seed=seed)
+    except TooLargeError:
+        return dict.fromkeys(TIMING_FIELDS)
     path = [placed.critical_path[end].name for end in (0, -1)] if placed.critical_path else []
     return {"fmax_mhz": round(placed.fmax_mhz, 2), "path": path, "placed_on": placed.device}
 
@@ -266,8 +271,8 @@ def _measure_one(
 
 def _median(placed: Mapping[int, Figures]) -> Figures:
     """Clock frequency and slowest path of the middle one of an odd number of placements."""
-    if not placed:
-        return dict.fromkeys(("fmax_mhz", "fmax_by_seed", "path", "placed_on"))
+    if any(each["fmax_mhz"] is None for each in placed.values()) or not placed:
+        return dict.fromkeys((*TIMING_FIELDS, "fmax_by_seed"))
     ordered = sorted(placed.values(), key=lambda each: float(each["fmax_mhz"]))
     by_seed = {str(seed): each["fmax_mhz"] for seed, each in placed.items()}
     return {**ordered[len(ordered) // 2], "fmax_by_seed": by_seed}

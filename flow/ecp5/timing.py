@@ -34,6 +34,10 @@ _DERIVED = re.compile(r"\$.*$")
 UNNAMED = "(unnamed)"
 
 
+class TooLargeError(ToolError):
+    """No device that could stand in has block RAM enough; the message says how much is needed."""
+
+
 @dataclass(frozen=True)
 class Step:
     """A part of a path: through a cell, or along a wire to the next one.
@@ -127,6 +131,8 @@ def place(netlist: Json, device: Device, *, seed: int = 1) -> Timing:
     ------
     ToolNotFoundError, ToolError
         As :func:`place_and_route`.
+    TooLargeError
+        The device has a stand-in, and none is large enough.
     """
     placed = placed_device(device)
     if placed != device:
@@ -145,11 +151,20 @@ def place(netlist: Json, device: Device, *, seed: int = 1) -> Timing:
 
 
 def large_enough(netlist: Json, device: Device) -> Device:
-    """The smallest device from this one on that has block RAM enough; this one if none has."""
+    """The smallest device from this one on that has block RAM enough.
+
+    Raises
+    ------
+    TooLargeError
+        None has.
+    """
     cells = netlist["modules"][MODULE]["cells"].values()
     blocks = sum(cell["type"] in BLOCK_RAMS for cell in cells)
     needed = max(blocks, device.memory_blocks)
-    return next((each for each in DEVICES if each.memory_blocks >= needed), device)
+    for each in DEVICES:
+        if each.memory_blocks >= needed:
+            return each
+    raise TooLargeError(f"the core has {blocks} {EBR.name}; allowed on ECP5: {DEVICES[-1].memory_blocks}")
 
 
 def _size(device: Device) -> str:

@@ -45,8 +45,11 @@ def test_committed_figures_are_complete() -> None:
         counted = (*AREA_FIELDS, "blocks", "clocks_per_frame", "end_of_frame_clocks")
         assert all(figure[field] is not None for field in counted)
         assert sum(figure["blocks"].values()) == figure["le_packed"]
-        assert tuple(map(int, figure["fmax_by_seed"] or ())) == build.seeds
-        if build.seeds:
+        if figure["fmax_by_seed"] is None:
+            # the others have too many blocks of RAM for any ECP5
+            assert not build.seeds or (build.profile, build.pixels_per_clock) == ("precise", 8)
+        else:
+            assert tuple(map(int, figure["fmax_by_seed"])) == build.seeds
             assert figure["fmax_mhz"] == median(figure["fmax_by_seed"].values())
         assert figure["le_lower"] <= figure["le_packed"] <= figure["le_upper"]
 

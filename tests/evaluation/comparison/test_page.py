@@ -18,6 +18,7 @@ from evaluation.comparison import page as comparison
 from evaluation.comparison.figures import AREA_FIELDS, FigureError, clocks, measure, merge
 from evaluation.comparison.variants import Variant, all_builds, builds
 from evaluation.figures import Figures
+from flow.ecp5.timing import TooLargeError
 from flow.netlist import Json
 from golden import PROFILES, Parameters
 from hdl.build import Build
@@ -191,6 +192,19 @@ def test_several_pixels_per_clock_are_placed_three_times(tmp_path: Path, counted
     # what was interrupted goes on where it stopped
     next(tmp_path.glob("*-timing-2.json")).unlink()
     assert measure([SEVERAL], tmp_path)["builds"] == [found] and counted[6:] == ["netlist", "timing-2"]
+
+
+def test_what_is_too_large_to_be_placed_has_no_clock(
+    tmp_path: Path, counted: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(netlist: Json, device: object, *, seed: int) -> None:
+        raise TooLargeError("too many blocks")
+
+    monkeypatch.undo()
+    monkeypatch.setattr("flow.ecp5.timing.place", refused)
+    nothing = figures.timing(lambda: {}, 1)
+    assert nothing == dict.fromkeys(("fmax_mhz", "path", "placed_on"))
+    assert figures._median({1: nothing, 2: nothing}) == {**nothing, "fmax_by_seed": None}
 
 
 def test_seeds_are_three_where_pixels_per_clock_are_compared() -> None:

@@ -15,7 +15,7 @@ from amaranth.lib.wiring import In, Out
 from flow.devices import DEVICES
 from flow.ecp5 import synthesis
 from flow.ecp5.output_registers import BLOCK_RAMS, FLIP_FLOP, use_output_registers
-from flow.ecp5.timing import large_enough
+from flow.ecp5.timing import TooLargeError, large_enough
 from flow.netlist import Cell, Module
 from flow.verilog import MODULE
 
@@ -139,9 +139,10 @@ def test_what_has_too_many_blocks_is_placed_on_a_larger_device() -> None:
         netlist = {"modules": {MODULE: {"cells": {**cells, "logic": {"type": "LUT4"}}}}}
         return large_enough(netlist, device).name
 
-    blocks = [1, device.memory_blocks, device.memory_blocks + 1, 208, 209]
-    # too many for all: nextpnr says so
-    assert list(map(placed, blocks)) == ["lfe5u-45f", "lfe5u-45f", "lfe5u-85f", "lfe5u-85f", "lfe5u-45f"]
+    blocks = [1, device.memory_blocks, device.memory_blocks + 1, 208]
+    assert list(map(placed, blocks)) == ["lfe5u-45f", "lfe5u-45f", "lfe5u-85f", "lfe5u-85f"]
+    with pytest.raises(TooLargeError, match=r"^the core has 209 EBR; allowed on ECP5: 208$"):
+        placed(209)
 
 
 def test_an_inverted_enable_gets_one_lookup_table(tmp_path: Path) -> None:
