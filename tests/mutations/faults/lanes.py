@@ -89,6 +89,13 @@ LANES = {
         "tests/hdl/test_candidate_queue.py",
         "paper and clogged",
     ),
+    "beats that a response filter does not complete are counted as dropped": Mutation(
+        "hdl/candidate_queue.py",
+        "first = 2 * algorithm.response_margin // lanes",
+        "first = 2 * (algorithm.response_margin + 1) // lanes",
+        "tests/hdl/test_candidate_stage.py",
+        "robust and unstalled",
+    ),
     "the border of two cells is a lane too far left": Mutation(
         "hdl/cell_beats.py",
         "self.last_lane.eq(Mux(ends, now, lanes - 1))",
