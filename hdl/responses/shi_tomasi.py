@@ -118,7 +118,7 @@ class Response(ResponseBlock):
             ]
         # high halves, low halves, and a clock later their differences
         lows = [x[:n] for x in numbers]
-        highs = [x >> n for x in numbers]
+        highs = [x.shift_right(n) for x in numbers]
         steps = [
             stored(high - low, f"step_{k}") for k, (high, low) in enumerate(zip(highs, lows, strict=True))
         ]
