@@ -44,7 +44,7 @@ class Build(Parameters):
         several pixels per clock, twice as many beats with candidates can wait, too. Hardware only:
         changes delays, never a record.
     refinement_units
-        Units that refine corners, in turn, 1 to 4. 0: as many as every photograph needs that the
+        Units that refine corners, 1 to 4. 0: as many as every photograph needs that the
         project was measured with; with 4 or 8 pixels per clock, units that are faster, too.
         Hardware only: changes delays, never a record. Gradient steps have one.
     multipliers
@@ -86,7 +86,7 @@ class Build(Parameters):
         high=1024,
     )
     refinement_units: int = option(
-        0, "Units that refine corners, in turn, 1 to 4; 0: as many as photographs need.", high=4
+        0, "Units that refine corners, 1 to 4; 0: as many as photographs need.", high=4
     )
     multipliers: int = option(
         0,

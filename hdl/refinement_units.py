@@ -19,9 +19,8 @@ from hdl.subpixel import Subpixel, offset_layout
 class RefinementUnits(wiring.Component):
     """Offsets of candidates by several units, in the order of the candidates.
 
-    A candidate goes to any unit that is free. The others that are free wait meanwhile: a unit that
-    moves on without a candidate goes round empty, so that units which move in the same clocks would
-    stay as slow as one of them.
+    A candidate goes to any unit that is free, and a queue remembers to which. If units took turns,
+    those that move on in the same clocks would stay as slow as one of them.
 
     Members
     -------
@@ -30,10 +29,7 @@ class RefinementUnits(wiring.Component):
     """
 
     def __init__(self, build: Build) -> None:
-        self._units = [
-            Subpixel(build, bits_per_clock=build.refinement_bits, is_one_of_several=True)
-            for _ in range(build.units)
-        ]
+        self._units = [Subpixel(build, bits_per_clock=build.refinement_bits) for _ in range(build.units)]
         super().__init__(
             {
                 "i": In(stream.Signature(solved_layout(build))),
@@ -50,17 +46,14 @@ class RefinementUnits(wiring.Component):
 
     @property
     def latency(self) -> int:
-        """Clocks from a candidate that finds all units idle to its offset.
-
-        As many more as there are other units, if these take candidates just when it would move on.
-        """
+        """Clocks from a candidate that finds all units idle to its offset."""
         return self._units[0].latency
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         count = len(self._units)
         m.submodules.order = order = Queue(range(count), count * INSIDE)
-        taking, free = Signal(range(count)), Cat(unit.free for unit in self._units)
+        taking, free = Signal(range(count)), Cat(unit.i.ready for unit in self._units)
         for k in reversed(range(count)):
             with m.If(free[k]):
                 m.d.comb += taking.eq(k)
@@ -71,7 +64,6 @@ class RefinementUnits(wiring.Component):
             m.d.comb += [
                 unit.i.payload.eq(self.i.payload),
                 unit.i.valid.eq(self.i.valid & (taking == k)),
-                unit.hold.eq(taken & (taking != k)),
                 unit.o.ready.eq(self.o.ready & order.o.valid & (giving == k)),
             ]
         m.d.comb += [

@@ -44,8 +44,6 @@ class Subpixel(wiring.Component):
     bits_per_clock
         Places that derivatives are shifted by, and bits of a mantissa that are multiplied, in each
         clock: 1 or 2.
-    is_one_of_several
-        It is one of several units.
 
     Members
     -------
@@ -55,19 +53,11 @@ class Subpixel(wiring.Component):
         Stream of ``offset_layout(parameters.algorithm.fit)``.
     kind, o_kind
         With the gradient step only: a bit that goes with a candidate, and comes with its offset.
-    hold, free
-        With ``is_one_of_several`` only: do not move in this clock, and whether it could.
     """
 
     def __init__(
-        self,
-        parameters: Parameters,
-        mantissa_bits: int | None = None,
-        bits_per_clock: int = 1,
-        *,
-        is_one_of_several: bool = False,
+        self, parameters: Parameters, mantissa_bits: int | None = None, bits_per_clock: int = 1
     ) -> None:
-        self._several = is_one_of_several
         self.surface_formats = SurfaceFit.formats(parameters)
         self._fit = parameters.algorithm.fit
         self._formats = solved_formats(parameters)
@@ -86,7 +76,6 @@ class Subpixel(wiring.Component):
                 "i": In(stream.Signature(solved_layout(parameters))),
                 "o": Out(stream.Signature(offset_layout(parameters.algorithm.fit))),
                 **optional(golden_fit.by_pixels, kind=In(1), o_kind=Out(1)),
-                **optional(is_one_of_several, hold=In(1), free=Out(1)),
             }
         )
 
@@ -114,11 +103,10 @@ class Subpixel(wiring.Component):
         phase = Signal(range(self.interval), init=last)
         move = Signal()
         shifted, multiplied, divided = Signal(), Signal(), Signal()
-        free = (phase == last) & ~(divided & self.o.valid)
-        if self._several:
-            m.d.comb += self.free.eq(free)
-            free &= ~self.hold
-        m.d.comb += [move.eq(free), self.i.ready.eq(move)]
+        m.d.comb += [
+            move.eq((phase == last) & ~(divided & self.o.valid)),
+            self.i.ready.eq(move),
+        ]
         with m.If(self.o.ready):
             m.d.sync += self.o.valid.eq(0)
         with m.If(phase != last):

@@ -96,14 +96,11 @@ def test_units_stay_apart(units: int, lanes: int, divider: Divider) -> None:
 @pytest.mark.parametrize("name", ENGINES)
 @every_number
 def test_lone_candidates(units: int, lanes: int, divider: Divider, name: EngineName) -> None:
-    """Most find all units idle; another that comes before the offset may cost it a clock."""
+    """Each finds a unit idle."""
     build = Build.profile("robust", refinement_units=units, pixels_per_clock=lanes, divider=divider)
     count = 200 if name == "compiled" else 10
     capture = check(build, count, name, Stalls(inputs=0.995, seed=1))
-    block = RefinementUnits(build)
-    late = latency(capture) - block.latency
-    assert (np.diff(capture.input_clocks["i"]) < block.latency).sum() >= np.count_nonzero(late)
-    assert late.min() == 0 and late.max() < units
+    assert (latency(capture) == RefinementUnits(build).latency).all()
 
 
 def test_the_record_stage_has_what_the_build_asks_for() -> None:

@@ -129,4 +129,25 @@ LANES = {
         "tests/hdl/test_refinement_units.py",
         "test_offsets and three and amaranth-unstalled",
     ),
+    "the right half of a window counts as the left one does": Mutation(
+        "hdl/candidate_texture.py",
+        "places[::-1] if half else places",
+        "places",
+        "tests/hdl/test_candidate_texture.py",
+        "noise and regions-8 and amaranth-unstalled",
+    ),
+    "rows in the middle of a half of a window count once": Mutation(
+        "hdl/candidate_texture.py",
+        "Mux(middle, Cat(one, twice.value), twice.value)",
+        "twice.value",
+        "tests/hdl/test_candidate_texture.py",
+        "noise and regions-4 and amaranth-unstalled",
+    ),
+    "the column right of a centre is the next one": Mutation(
+        "hdl/candidate_centres.py",
+        "when=offered(1)",
+        "when=offered(2)",
+        "tests/hdl/test_candidate_centres.py",
+        "8-2 and amaranth-unstalled",
+    ),
 }
