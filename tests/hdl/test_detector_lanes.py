@@ -4,6 +4,7 @@
 Mixtures, and eight pixels per clock, are tested without the way from pixels to responses, see
 ``test_lane_mixtures``, and that way without what comes behind it, see
 ``test_response_stage_lanes``: a whole detector of eight pixels per clock takes minutes to compile.
+Amaranth's simulator runs small frames through it.
 """
 
 from __future__ import annotations
@@ -70,6 +71,24 @@ def test_photographs(build: Build, name: str) -> None:
     for frame, width in zip(result.frames, widths, strict=True):
         late = frame.end_of_frame - frame.last_pixel - detector.frame_latency(width)
         assert 0 <= late <= detector.refinement_latency
+
+
+@each(
+    "build",
+    {
+        "robust, P=8": Build.profile("robust", **SMALL, pixels_per_clock=8),
+        "robust banked, P=4": Build.profile("robust", **SMALL, buffering="banked", pixels_per_clock=4),
+        "paper, P=8": Build.profile("paper", **SMALL, pixels_per_clock=8),
+    },
+    quick=("robust, P=8",),
+)
+def test_small_frames_in_amaranths_simulator(build: Build) -> None:
+    """Whole detectors that take minutes to compile: nothing is compiled."""
+    sizes = [(28, 37), (24, 42), (20, 31)]
+    frames = [(noise(*size, k, build), both_kinds(build)) for k, size in enumerate(sizes)]
+    result = simulate_frames(make_engine("amaranth", Detector(build)), frames, build, stalls=Stalls(0.1, 0.2))
+    check(result, build, frames)
+    assert min(len(frame.records) for frame in result.frames) > 3
 
 
 @stalling
