@@ -24,10 +24,10 @@ from hdl.detector import Detector
 from hdl.thresholds import Thresholds
 from sim.beats import beat_count
 from sim.engines import make_engine
-from sim.frames import Frame, frame_stimulus, split_frames
+from sim.frames import Frame, frame_stimulus, simulate_frames, split_frames
 from sim.stimulus import Stalls
 from tests.support.builds import each
-from tests.support.detectors import both_kinds, check, engine, noise, run, run_with_reset
+from tests.support.detectors import SMALL, both_kinds, check, engine, noise, run, run_with_reset
 from tests.support.filters import lenient
 from tests.support.photographs import PHOTOGRAPHS, photograph
 from tests.support.strategies import any_settings, images
