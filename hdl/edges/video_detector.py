@@ -306,7 +306,8 @@ class VideoDetector(wiring.Component):
     def _most_inside(self) -> int:
         """Complete frames that can be in flight at most."""
         # each of them, but for two, has at least one window among the corner flags and pending
-        # records that wait
+        # records that wait; where candidates wait for their windows, only one frame's do, because
+        # the next one's thresholds come behind them
         return self._build.queue_depth + 31 + (self._build.units - 1) * INSIDE
 
     def _time(self, m: Module) -> None:

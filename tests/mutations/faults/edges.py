@@ -117,6 +117,20 @@ EDGES = {
         "tests/hdl/edges/test_avalon.py",
         "low_four_bits and amaranth",
     ),
+    "an end of line with a frame's first pixel is passed over": Mutation(
+        "hdl/edges/frame_guard.py",
+        "Mux(start, ~self.ignore_eol,",
+        "Mux(start, 0,",
+        "tests/hdl/edges/test_frame_guard.py",
+        "frames_first_pixel",
+    ),
+    "the first pixel of a frame that it cuts is passed on": Mutation(
+        "hdl/edges/frame_guard.py",
+        "with m.If(self.taken & ~short):",
+        "with m.If(self.taken):",
+        "tests/hdl/edges/test_frame_guard.py",
+        "frames_first_pixel",
+    ),
     "a beat that lacks a pixel is taken for whole": Mutation(
         "hdl/edges/frame_guard.py",
         "short_line |= (inside | start) & lacking",
