@@ -20,7 +20,8 @@ from hdl.square_root import SquareRoot
 RADICAND_LATENCY = 7
 """A - B, sizes, difference of their halves, look-up (2), sum over both numbers, radicand.
 
-With several pixels per clock one less: tables find the squares of numbers of either sign.
+With several pixels per clock there are no sizes, because tables find the squares of numbers of
+either sign; and two clocks for the radicand, so that no two sums meet in one.
 """
 
 ROOT_TABLE_BITS = 5
@@ -62,8 +63,7 @@ class Response(ResponseBlock):
     @property
     def latency(self) -> int:
         """The last clock takes the difference."""
-        radicand = RADICAND_LATENCY - (self._lanes > 1)
-        return radicand + self._roots[0].latency + 1
+        return RADICAND_LATENCY + self._roots[0].latency + 1
 
     @property
     def memory_bits(self) -> int:
@@ -124,7 +124,10 @@ class Response(ResponseBlock):
         ]
         high, low, cross = squares("high", highs), squares("low", lows), squares("differences", steps)
         both = stored((high << n) + low, "squares")
-        return stored((both + ((both - cross) << n))[: 2 * self._bits], "radicand")
+        middle = both - cross
+        if self._lanes > 1:
+            middle, both = stored(middle, "middle"), stored(both, "squares_late")
+        return stored((both + (middle << n))[: 2 * self._bits], "radicand")
 
 
 def _tables(half: int, lanes: int, multiplied: int) -> dict[str, Squarer]:
