@@ -36,10 +36,11 @@ def ends(bench: Bench, random_: Random) -> list[int]:
 
 
 async def width_that_leaves(bench: Bench, left: int) -> None:
-    """Lines have so many pixels in their last beat."""
+    """Few lines, with so many pixels in their last beat."""
     beats = min(bench.video.width, bench.parameters.max_width - bench.lanes) // bench.lanes
     least = -(-bench.narrowest // bench.lanes)
-    await bench.configure(replace(bench.video, width=max(least, beats) * bench.lanes + left))
+    width = max(least, beats) * bench.lanes + left
+    await bench.configure(replace(bench.video, width=width, height=bench.small))
 
 
 async def with_one(
