@@ -8,11 +8,16 @@ import pytest
 
 from hdl.build import Build
 from hdl.candidate_queue import CandidateQueue
+from hdl.step_layouts import reads_pixels
 from sim.stimulus import Stalls, Stimulus
 from tests.support.blocks import NO_STALLS, Array, engine, pack, tags, unpack
 
 STALLS = {"unstalled": NO_STALLS, "both-stall": Stalls(0.3, 0.4, 13), "clogged": Stalls(0, 0.8, 15)}
-BUILDS = {"paper": Build.profile("paper"), "rows noted": Build.profile("robust", video_out=True)}
+BUILDS = {
+    "paper": Build.profile("paper"),
+    "rows noted": Build.profile("robust", video_out=True),
+    "gradient steps": Build.profile("precise"),
+}
 Candidates = list[tuple[int, int, int, int, int]]
 
 
@@ -34,7 +39,7 @@ def candidates_of(peaks: Array, build: Build, before: int) -> tuple[Candidates, 
         offset = (before - first) * lanes
         found += [(offset + int(x), int(x) - margin, y, 0, 0) for x in np.flatnonzero(columns)]
         before += -(-len(columns) // lanes) - first
-        if last or build.video_out:
+        if last or build.video_out or reads_pixels(build):
             # the place of a note in its row means nothing
             found.append((0, 0, y, 1, int(last)))
     return found, before

@@ -128,8 +128,8 @@ WINDOWS = {
         "hdl/candidate_queue.py",
         "self._build.video_out or reads_pixels(self._build)",
         "self._build.video_out",
-        "tests/hdl/test_detector_steps.py",
-        "several_pixels_per_clock and none",
+        "tests/hdl/test_candidate_queue.py",
+        "places and unstalled and gradient",
     ),
     "steps are trusted that disagree by one unit more": Mutation(
         "hdl/step_judge.py",
