@@ -15,6 +15,7 @@ from hdl.build import Build
 from hdl.candidate_queue import CandidateQueue
 from hdl.candidate_ring import CandidateRing, window_order
 from hdl.sample import responses_shape
+from sim.engine import Engine
 from sim.stimulus import Stalls, Stimulus
 from tests.support.blocks import engine, pack, unpack
 
@@ -56,8 +57,13 @@ class Windows(wiring.Component):
 
 @pytest.mark.parametrize("lanes", [2, 4, 8])
 def test_windows_that_wait_long(lanes: int) -> None:
-    """Sparse ones, so that the queue has room while beats come that would write over them."""
     build = Build.profile("paper", pixel_bits=4, pixels_per_clock=lanes)
+    check_windows(build, engine("amaranth", Windows, build))
+
+
+def check_windows(build: Build, runner: Engine) -> None:
+    """Sparse ones, so that the queue has room while beats come that would write over them."""
+    lanes = build.pixels_per_clock
     rng = np.random.default_rng(lanes)
     count = 3 * build.ring_beats
     values = rng.integers(0, build.response_max, (count, lanes), endpoint=True)
@@ -66,7 +72,7 @@ def test_windows_that_wait_long(lanes: int) -> None:
     block = Windows(build)
     given = {"columns": {"response": values}, "mask": ends @ (1 << np.arange(lanes))}
     stimulus = Stimulus({"i": pack(block.i.payload.shape(), given)}, [], Stalls(0, 0.9, lanes))
-    capture = engine("amaranth", Windows, build).run(stimulus, quiet=500, max_clocks=200_000)
+    capture = runner.run(stimulus, quiet=500, max_clocks=200_000)
     seen = unpack(block.o.payload.shape(), capture.outputs["o"])["data"]["response"]
     found = seen.reshape(len(seen), build.window_reads)
     # one row: columns are numbered through all beats

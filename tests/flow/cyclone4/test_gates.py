@@ -24,6 +24,7 @@ from hdl.detector import Detector
 from hdl.table_divider import TableDivider
 from sim import Stalls, compare, make_engine, simulate_frames, summarize
 from sim.compiler import FLAGS_VARIABLE
+from tests.hdl.test_candidate_ring import Windows, check_windows
 from tests.support.blocks import packed, run
 from tests.support.builds import each
 from tests.support.dividing import FORMATS, Dividing, Format, operands, quotients
@@ -96,3 +97,13 @@ def test_divider_finds_its_reciprocals_in_block_ram(form: Format, tmp_path: Path
     beats = quotients("table", form, *operands(form, 3000))
     given, expected = (packed((Dividing, "table", *form), each_way) for each_way in beats)
     run(runner, given, expected, Stalls(inputs=0.3, outputs=0.4, seed=3), clocks=divider.clocks + 1)
+
+
+@pytest.mark.verify
+def test_candidates_of_four_pixels_per_clock(tmp_path: Path) -> None:
+    """Their queue, and the ring that their windows are read from: memories with registers."""
+    build = Build.profile("paper", pixel_bits=4, pixels_per_clock=4)
+    _, netlist = map_component(Windows(build), "windows")
+    path = tmp_path / "netlist.v"
+    path.write_text(rule_text("cyclone4", "cells.v") + netlist)
+    check_windows(build, make_engine("verilog", Windows(build), verilog=path))
