@@ -110,6 +110,12 @@ def _cross(a: Value, b: Value, d: Value) -> Value:
     return (a + b)[1:] - d[1:]
 
 
+def _round_halves(total: Value) -> Value:
+    """C of a signed sum that has half a unit in it already."""
+    whole, high = ~total[:SHIFT].any(), total[SHIFT:].as_signed()
+    return (high - (whole & (high[-1] | ~high.any())))[: len(high)].as_signed()
+
+
 class Convolution(wiring.Component):
     """Smooths A, B and C: kernel [1 2 2 2 1]ᵀ[1 2 2 2 1] / 64, rounded once, half away from zero.
 
@@ -210,7 +216,7 @@ class Convolution(wiring.Component):
         column = a.map(lambda a, b, d: _cross(a, b, d)[: width + 1].as_signed(), b, d)
         total = _row_sum(column.register("c_column"), "c", clocks=2)
         # halves away from zero: half a unit too much is a whole one where it leaves nothing or less
-        return total.map(lambda total: ((total - (total <= 0)) >> SHIFT)[: self._bits + 1].as_signed())
+        return total.map(_round_halves)
 
     def _signed_cross(self, a: Lanes, b: Lanes, d: Lanes) -> Lanes:
         """C rounded, one clock later: halves away from zero."""
