@@ -6,33 +6,27 @@ from __future__ import annotations
 from typing import Any
 
 from amaranth.hdl import Module, Signal, Value
-from amaranth.lib import stream, wiring
-from amaranth.lib.wiring import In, Out
+from amaranth.lib import wiring
 
 from golden.algorithm import RESPONSE_FILTER_REACH
-from hdl.adaptation import Adaptation, adapted_layout
+from hdl.adaptation import Adaptation
 from hdl.build import Build
 from hdl.candidate_centres import CandidateCentres
 from hdl.candidate_peak import CandidatePeak
 from hdl.candidate_queue import CandidateQueue, place_layout
 from hdl.candidate_ring import CandidateRing
-from hdl.candidate_selection import corner_flag_layout, pending_record_layout
 from hdl.candidate_texture import CandidateTexture
 from hdl.centre_rows import CENTRE_SIZE
-from hdl.fits import candidate_layout
+from hdl.middle_stage import CENTRES, adapt, feed, stage_members
 from hdl.parts.circular_buffer import CircularBuffer
 from hdl.parts.nets import connect_by_name
 from hdl.parts.optional import optional
-from hdl.parts.stream import Beat
 from hdl.peak_mask import PeakMask
 from hdl.placed_selection import PlacedSelection
 from hdl.sample import responses_shape
 from hdl.smoothed_beats import SmoothedBeats
-from hdl.step_layouts import reads_pixels, rows_kept
 from hdl.surface import SurfaceFit
 from hdl.textures import TEXTURES
-from hdl.thresholds import thresholds_layout
-from hdl.window_stage import CENTRES
 
 
 class CandidateStage(wiring.Component):
@@ -108,19 +102,7 @@ class CandidateStage(wiring.Component):
         self.surface_fit = SurfaceFit(p)
         self.selection = PlacedSelection(p)
         self._adaptation = optional(p.budget, adaptation=Adaptation(p))
-        adapted = adapted_layout(p)
-        super().__init__(
-            {
-                "samples": In(stream.Signature(Beat(shape))),
-                "limits": In(stream.Signature(thresholds_layout(p))),
-                "candidate": Out(stream.Signature(candidate_layout(p))),
-                **optional(reads_pixels(p), picked=Out(1), row=Out(range(2 * rows_kept(p)))),
-                "pending": Out(stream.Signature(pending_record_layout(p))),
-                "largest": Out(p.response_bits),
-                **optional(p.video_out, corner_flags=Out(stream.Signature(corner_flag_layout(p)))),
-                **optional(p.budget, adapted=Out(adapted), adapting=Out(1), history=In(adapted)),
-            }
-        )
+        super().__init__(stage_members(p))
 
     @property
     def blocks(self) -> dict[str, Any]:
@@ -197,7 +179,7 @@ class CandidateStage(wiring.Component):
                 self.candidate_queue.cells.eq(limits.payload.cells),
             ]
         for adaptation in self._adaptation.values():
-            self._adapt(m, adaptation)
+            adapt(m, self, adaptation, selection)
         return m
 
     def _search(self, m: Module) -> None:
@@ -263,15 +245,15 @@ class CandidateStage(wiring.Component):
         m.d.comb += columns.ready.eq(self.surface_fit.i.ready)
         if self.centre_rows is not None:
             centres = self.centre_rows.o
-            self._feed(m, self.centre_rows.i, columns)
+            feed(m, self.centre_rows.i, columns)
             m.d.comb += centres.ready.eq(self.surface_fit.i.ready)
         for block in (self.candidate_peak, self.surface_fit):
-            self._feed(m, block.i, centres)
+            feed(m, block.i, centres)
         if self.texture_filter is not None:
             texture = self.texture_filter
-            self._feed(m, texture.i, columns)
+            feed(m, texture.i, columns)
             if hasattr(texture, "centres"):
-                self._feed(m, texture.centres, centres)
+                feed(m, texture.centres, centres)
             m.d.comb += [texture.thresholds.valid.eq(1), texture.thresholds.payload.eq(limits)]
             wiring.connect(m, texture.o, selection.textures)
         m.d.comb += [self.candidate_peak.t1.valid.eq(1), self.candidate_peak.t1.payload.eq(limits.t1)]
@@ -285,23 +267,4 @@ class CandidateStage(wiring.Component):
             self.candidate_peak.note.eq(place.note),
             self.candidate_peak.end.eq(place.end),
             selection.place.eq(place),
-        ]
-
-    @staticmethod
-    def _feed(m: Module, sink: Any, source: Any) -> None:
-        """Feeds a sink beside others that are ready whenever it is; its ready is not read."""
-        m.d.comb += [sink.valid.eq(source.valid), sink.payload.eq(source.payload)]
-
-    def _adapt(self, m: Module, adaptation: Adaptation) -> None:
-        """Counts what goes into the selection, and limits what comes out of it."""
-        selection, limits = self.selection, self.limits.payload
-        connect_by_name(m, wiring.flipped(self), adaptation)
-        m.d.comb += [
-            selection.max_corners.eq(limits.max_corners),
-            selection.rank.eq(limits.aim.rank),
-            adaptation.corner.eq(selection.counted),
-            adaptation.strength.eq(selection.strength),
-            adaptation.last.eq(selection.last),
-            adaptation.aim.eq(limits.aim),
-            self.adapting.eq(adaptation.busy),
         ]

@@ -6,32 +6,21 @@ from __future__ import annotations
 from typing import Any
 
 from amaranth.hdl import Module
-from amaranth.lib import stream, wiring
-from amaranth.lib.wiring import In, Out
+from amaranth.lib import wiring
 
-from golden.algorithm import ResponseFilter as ResponseFilterName
-from hdl.adaptation import Adaptation, adapted_layout
+from hdl.adaptation import Adaptation
 from hdl.build import Build
-from hdl.candidate_selection import CandidateSelection, corner_flag_layout, pending_record_layout
-from hdl.centre_rows import CENTRE_SIZE, CentreRows
+from hdl.candidate_selection import CandidateSelection
+from hdl.centre_rows import CENTRE_SIZE
 from hdl.corner_detection import CornerDetection
-from hdl.fits import candidate_layout
+from hdl.middle_stage import CENTRES, adapt, feed, stage_members
 from hdl.parts.circular_buffer import CircularBuffer
 from hdl.parts.nets import connect_by_name
 from hdl.parts.optional import optional
-from hdl.parts.stream import Beat
-from hdl.response_filter import ResponseFilter
 from hdl.sample import response_layout
-from hdl.step_layouts import reads_pixels, rows_kept
 from hdl.suppression import Suppression
 from hdl.surface import SurfaceFit
 from hdl.textures import TEXTURES
-from hdl.thresholds import thresholds_layout
-
-CENTRES: dict[ResponseFilterName, type[CentreRows] | type[ResponseFilter]] = {
-    "none": CentreRows,
-    "binomial": ResponseFilter,
-}
 
 
 class WindowStage(wiring.Component):
@@ -60,7 +49,7 @@ class WindowStage(wiring.Component):
     Members
     -------
     samples
-        Stream of ``Beat(response_layout(parameters))``.
+        Stream of ``Beat(responses_shape(parameters))``.
     limits
         Stream of ``thresholds_layout(parameters)``. A frame's thresholds are taken with its last
         window, when its largest response is known. They never come too late: they are ready soon
@@ -81,8 +70,7 @@ class WindowStage(wiring.Component):
 
     def __init__(self, parameters: Build) -> None:
         p = parameters
-        sample, adapted = response_layout(p), adapted_layout(p)
-        size = p.algorithm.window_size
+        sample, size = response_layout(p), p.algorithm.window_size
         self.response_buffer = CircularBuffer(sample, size, p.max_width, p.buffering, registers=1)
         block = TEXTURES[p.algorithm.texture]
         self.texture_filters: dict[str, Any] = {"texture filter": block(p)} if block else {}
@@ -94,18 +82,7 @@ class WindowStage(wiring.Component):
         self.candidate_selection = CandidateSelection(p)
         self._choosing = p.max_per_cell > 0
         self._adaptation = optional(p.budget, adaptation=Adaptation(p))
-        super().__init__(
-            {
-                "samples": In(stream.Signature(Beat(sample))),
-                "limits": In(stream.Signature(thresholds_layout(p))),
-                "candidate": Out(stream.Signature(candidate_layout(p))),
-                **optional(reads_pixels(p), picked=Out(1), row=Out(range(2 * rows_kept(p)))),
-                "pending": Out(stream.Signature(pending_record_layout(p))),
-                "largest": Out(p.response_bits),
-                **optional(p.video_out, corner_flags=Out(stream.Signature(corner_flag_layout(p)))),
-                **optional(p.budget, adapted=Out(adapted), adapting=Out(1), history=In(adapted)),
-            }
-        )
+        super().__init__(stage_members(p))
 
     @staticmethod
     def waiting(beats: int) -> int:
@@ -153,12 +130,12 @@ class WindowStage(wiring.Component):
         centres = columns
         if self.centre_rows is not None:
             centres = self.centre_rows.o
-            self._feed(m, self.centre_rows.i, columns)
+            feed(m, self.centre_rows.i, columns)
             m.d.comb += centres.ready.eq(self.surface_fit.i.ready)
         for block in self._readers:
-            self._feed(m, block.i, columns if block.reads == "columns" else centres)
+            feed(m, block.i, columns if block.reads == "columns" else centres)
             if hasattr(block, "centres"):
-                self._feed(m, block.centres, centres)
+                feed(m, block.centres, centres)
         self._limit(m)
         # all of a window's results come in the same clock
         wiring.connect(m, self.corner_detection.o, selection.corners)
@@ -167,13 +144,8 @@ class WindowStage(wiring.Component):
         wiring.connect(m, self.surface_fit.o, selection.surfaces)
         connect_by_name(m, wiring.flipped(self), selection)
         for adaptation in self._adaptation.values():
-            self._adapt(m, adaptation)
+            adapt(m, self, adaptation, selection)
         return m
-
-    @staticmethod
-    def _feed(m: Module, sink: Any, source: Any) -> None:
-        """Feeds a sink beside others that are ready whenever it is; its ready is not read."""
-        m.d.comb += [sink.valid.eq(source.valid), sink.payload.eq(source.payload)]
 
     def _limit(self, m: Module) -> None:
         limits, t1 = self.limits, self.corner_detection.t1
@@ -185,17 +157,3 @@ class WindowStage(wiring.Component):
             m.d.comb += [block.thresholds.valid.eq(1), block.thresholds.payload.eq(limits.payload)]
         if self._choosing:
             m.d.comb += self.candidate_selection.cells.eq(limits.payload.cells)
-
-    def _adapt(self, m: Module, adaptation: Adaptation) -> None:
-        """Counts what goes into the candidate selection, and limits what comes out of it."""
-        selection, limits = self.candidate_selection, self.limits.payload
-        connect_by_name(m, wiring.flipped(self), adaptation)
-        m.d.comb += [
-            selection.max_corners.eq(limits.max_corners),
-            selection.rank.eq(limits.aim.rank),
-            adaptation.corner.eq(selection.counted),
-            adaptation.strength.eq(selection.strength),
-            adaptation.last.eq(selection.last),
-            adaptation.aim.eq(limits.aim),
-            self.adapting.eq(adaptation.busy),
-        ]

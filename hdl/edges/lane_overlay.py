@@ -5,14 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from amaranth.hdl import Module, Mux, ResetInserter, Signal
-from amaranth.lib import data, stream, wiring
-from amaranth.lib.wiring import In, Out
+from amaranth.lib import data, wiring
 
 from hdl.build import Build
-from hdl.candidate_selection import corner_flag_layout
 from hdl.edges.corner_marks import CornerMarks
-from hdl.edges.frame_guard import video_layout
-from hdl.edges.overlay import overlay_layout
+from hdl.edges.overlay import overlay_members
 from hdl.parts.probes import probe
 from hdl.parts.queue import Queue
 from hdl.sample import pixels_shape
@@ -33,16 +30,8 @@ class LaneOverlay(wiring.Component):
 
     Members
     -------
-    i
-        Stream of ``video_layout(build)``: beats of whole frames.
-    corner_flags
-        Stream of ``corner_flag_layout(build)``.
-    restart
-        Forgets all but a beat at the output.
-    o
-        Stream of ``overlay_layout(build)``, all of it registers.
-    done
-        A frame's last beat moves to the output.
+    i, corner_flags, restart, o, done
+        As in :class:`hdl.edges.overlay.Overlay`, with beats in place of its pixels.
     """
 
     def __init__(self, build: Build) -> None:
@@ -50,15 +39,7 @@ class LaneOverlay(wiring.Component):
         self._stored = data.StructLayout(
             {"pixel": pixels_shape(build), "last_lane": range(build.pixels_per_clock), "tag": 1}
         )
-        super().__init__(
-            {
-                "i": In(stream.Signature(video_layout(build))),
-                "corner_flags": In(stream.Signature(corner_flag_layout(build))),
-                "restart": In(1),
-                "o": Out(stream.Signature(overlay_layout(build))),
-                "done": Out(1),
-            }
-        )
+        super().__init__(overlay_members(build))
 
     @property
     def depth(self) -> int:

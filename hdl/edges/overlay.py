@@ -27,6 +27,17 @@ def overlay_layout(build: Build) -> data.StructLayout:
     return data.StructLayout({"pixel": framed.pop("pixel"), "corner": lanes, **framed})
 
 
+def overlay_members(build: Build) -> dict[str, wiring.Member]:
+    """The members of both overlays, see :class:`Overlay`."""
+    return {
+        "i": In(stream.Signature(video_layout(build))),
+        "corner_flags": In(stream.Signature(corner_flag_layout(build))),
+        "restart": In(1),
+        "o": Out(stream.Signature(overlay_layout(build))),
+        "done": Out(1),
+    }
+
+
 class Overlay(wiring.Component):
     """Delays pixels in block RAM until the detector's corner flags are there.
 
@@ -53,15 +64,7 @@ class Overlay(wiring.Component):
 
     def __init__(self, build: Build) -> None:
         self._build = build
-        super().__init__(
-            {
-                "i": In(stream.Signature(video_layout(build))),
-                "corner_flags": In(stream.Signature(corner_flag_layout(build))),
-                "restart": In(1),
-                "o": Out(stream.Signature(overlay_layout(build))),
-                "done": Out(1),
-            }
-        )
+        super().__init__(overlay_members(build))
 
     @property
     def depth(self) -> int:
