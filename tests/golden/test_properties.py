@@ -77,7 +77,7 @@ even_handed = detectors(ties="strict", fit="nine") | detectors(ties="strict", fi
 """Detectors in which neither ties nor the six samples prefer a direction."""
 
 
-# where a step can be trusted has no bound: see tests/golden/test_normal_equations.py for its turns
+# where a step can be trusted has no bound: see tests/golden/test_gradient_steps.py for its turns
 @given(images(), detectors(ties="strict", fit="nine"), st.sampled_from(sorted(TURNS)))
 def test_turning_the_image_turns_the_corners(image: Image, parameters: Parameters, turn: str) -> None:
     """The pixel, response and verdict of each corner are exact, its offset within its bound."""

@@ -73,14 +73,14 @@ GOLDEN = {
         "golden/subpixel.py",
         "<= way + DISAGREEMENT)",
         "<= way + DISAGREEMENT + 1)",
-        "tests/golden/test_normal_equations.py",
+        "tests/golden/test_gradient_steps.py",
         "trust_by_hand",
     ),
     "a first gradient step of just half a pixel does not count": Mutation(
         "golden/subpixel.py",
         "(way >= HALF)",
         "(way > HALF)",
-        "tests/golden/test_normal_equations.py",
+        "tests/golden/test_gradient_steps.py",
         "long_first_step",
     ),
     "the golden mantissas forget that a negative number may be largest": Mutation(
