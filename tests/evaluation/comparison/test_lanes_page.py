@@ -143,7 +143,7 @@ def test_peers_are_told_with_their_sources() -> None:
     assert vitis[3:] == ["24,594 LUT6", "4.32", "90 of 18 Kbit", "80", "150", "1.200", "20,495"]
     tone = row(text, SECTION, "Intel Tone Mapping Operator, 8 bits | video | 4")
     assert tone[3:] == ["18,068 ALM", "2.39", "114 M20K", "203", "–", "–", "–"]
-    assert row(text, SECTION, "DOSLAM")[2:5] == ["8", "44,299 LUT6", "–"]
+    assert row(text, SECTION, "DOSLAM")[2:] == ["8", *["–"] * 7]
     assert row(text, SECTION, "Wasala")[2:] == ["4", *["–"] * 4, "150", "0.600", "–"]
     ours = row(text, SECTION, "cornerstream, `paper` | list of corners | 8")
     assert ours[3:] == ["8,200 LE", "6.83", "37 M9K", "0", "150", "1.200", "6,833"]
