@@ -34,13 +34,14 @@ from tests.support.detectors import (
     both_kinds,
     check,
     engine,
+    everything,
     noise,
     run,
     run_with_reset,
 )
 from tests.support.filters import lenient
 from tests.support.photographs import PHOTOGRAPHS, photograph
-from tests.support.strategies import any_settings, images
+from tests.support.strategies import any_frames, any_stalls
 
 mixtures = each(
     "parameters",
@@ -145,14 +146,7 @@ def test_full_hd_at_the_built_maximum(parameters: Parameters) -> None:
 @given(data=st.data())
 @settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 def test_any_images_sizes_and_stalls(parameters: Parameters, data: st.DataObject) -> None:
-    frame = st.tuples(
-        images(parameters.pixel_bits, max_side=64, smallest=parameters.algorithm.support),
-        any_settings(parameters),
-    )
-    frames = data.draw(st.lists(frame, min_size=1, max_size=4))
-    chance = st.sampled_from([0.0, 0.1, 0.5, 0.9])
-    stalls = data.draw(st.builds(Stalls, chance, chance, st.integers(0, 1000)))
-    run(parameters, frames, stalls)
+    run(parameters, data.draw(any_frames(parameters)), data.draw(any_stalls()))
 
 
 @mixtures
@@ -208,8 +202,7 @@ def test_black_and_white_noise_does_not_wait(parameters: Parameters) -> None:
         )
         for seed in range(3)
     ]
-    everything = Settings.default(parameters, sigma1=0, sigma2=lenient(parameters), report_rejected=True)
-    result = run(parameters, [(frame, everything) for frame in frames])
+    result = run(parameters, [(frame, everything(parameters)) for frame in frames])
     if parameters.algorithm.fit != "gradient":
         assert [frame.clocks for frame in result.frames] == [64 * 64] * 3
     if parameters.algorithm.suppression == 1:

@@ -27,10 +27,19 @@ from sim.engines import make_engine
 from sim.frames import Frame, frame_stimulus, simulate_frames, split_frames
 from sim.stimulus import Stalls
 from tests.support.builds import each
-from tests.support.detectors import SMALL, both_kinds, check, engine, noise, run, run_with_reset
-from tests.support.filters import lenient
+from tests.support.detectors import (
+    SMALL,
+    STALLS,
+    both_kinds,
+    check,
+    engine,
+    everything,
+    noise,
+    run,
+    run_with_reset,
+)
 from tests.support.photographs import PHOTOGRAPHS, photograph
-from tests.support.strategies import any_settings, images
+from tests.support.strategies import any_frames, any_stalls
 
 SIZE = {"max_width": 640, "max_height": 672}
 BUILDS = {
@@ -38,18 +47,7 @@ BUILDS = {
     "paper, P=4": Build.profile("paper", **SIZE, pixels_per_clock=4),
 }
 builds = each("build", BUILDS, quick=("robust, P=2",))
-STALLS = {
-    "none": Stalls(),
-    "both": Stalls(inputs=0.3, outputs=0.3, seed=3),
-    "starved": Stalls(inputs=0.9, seed=4),
-    "clogged": Stalls(outputs=0.97, seed=5),
-}
 stalling = pytest.mark.parametrize("stalls", STALLS.values(), ids=STALLS)
-
-
-def everything(build: Build) -> Settings:
-    """The most corners that there can be."""
-    return Settings.default(build, sigma1=0, sigma2=lenient(build), report_rejected=True)
 
 
 def clocks_of(build: Build, frames: list[Frame]) -> list[int]:
@@ -176,10 +174,7 @@ def records_in_row(records: Any, row: int) -> list[int]:
 @given(data=st.data())
 @settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 def test_any_images_sizes_and_stalls(build: Build, data: st.DataObject) -> None:
-    image = images(build.pixel_bits, 64, max(build.min_width, build.algorithm.support))
-    frames: list[Frame] = data.draw(st.lists(st.tuples(image, any_settings(build)), min_size=1, max_size=4))
-    chance = st.sampled_from([0.0, 0.1, 0.5, 0.9])
-    run(build, frames, data.draw(st.builds(Stalls, chance, chance, st.integers(0, 1000))))
+    run(build, data.draw(any_frames(build)), data.draw(any_stalls()))
 
 
 @builds

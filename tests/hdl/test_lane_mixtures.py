@@ -23,10 +23,9 @@ from sim.frames import Frame
 from sim.stimulus import Stalls
 from tests.support.behind_responses import run, run_with_reset
 from tests.support.builds import each
-from tests.support.detectors import MIXTURES, SMALL, both_kinds, noise
-from tests.support.filters import lenient
+from tests.support.detectors import MIXTURES, SMALL, STALLS, both_kinds, everything, noise
 from tests.support.photographs import PHOTOGRAPHS, photograph
-from tests.support.strategies import any_settings, images
+from tests.support.strategies import any_frames, any_stalls
 
 WITH_LANES = {
     name: build.changed(**SMALL)
@@ -59,17 +58,6 @@ BUILDS = {
     for (name, build), lanes in zip(WITH_LANES.items(), cycle((8, 2, 4)), strict=False)
 }
 builds = each("build", BUILDS, quick=("all that can be built, P=8",))
-STALLS = {
-    "unstalled": Stalls(),
-    "both": Stalls(inputs=0.3, outputs=0.3, seed=3),
-    "starved": Stalls(inputs=0.9, seed=4),
-    "clogged": Stalls(outputs=0.97, seed=5),
-}
-
-
-def everything(build: Build) -> Settings:
-    """The most corners that there can be."""
-    return Settings.default(build, sigma1=0, sigma2=lenient(build), report_rejected=True)
 
 
 def beats_of_responses(build: Build, size: tuple[int, int]) -> list[int]:
@@ -130,10 +118,7 @@ def test_latency(build: Build) -> None:
 @given(data=st.data())
 @settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 def test_any_images_sizes_and_stalls(build: Build, data: st.DataObject) -> None:
-    image = images(build.pixel_bits, 64, max(build.min_width, build.algorithm.support))
-    frames: list[Frame] = data.draw(st.lists(st.tuples(image, any_settings(build)), min_size=1, max_size=4))
-    chance = st.sampled_from([0.0, 0.1, 0.5, 0.9])
-    run(build, frames, data.draw(st.builds(Stalls, chance, chance, st.integers(0, 1000))))
+    run(build, data.draw(any_frames(build)), data.draw(any_stalls()))
 
 
 @each("name", {name: name for name in PHOTOGRAPHS}, quick=())

@@ -13,7 +13,7 @@ from golden import Settings
 from hdl.build import PIXELS_PER_CLOCK, Build
 from tests.support.behind_responses import run
 from tests.support.builds import each
-from tests.support.filters import lenient
+from tests.support.detectors import everything
 from tests.support.photographs import PHOTOGRAPHS, photograph
 
 PAGE = Path(__file__).parents[2] / "docs/explanation/hardware.md"
@@ -36,11 +36,6 @@ def waits(build: Build, image: NDArray[np.uint8], settings: Settings) -> float:
     clocks = run(build, [(image, settings)] * 2).input_clocks["samples"]
     beats = len(clocks) // 2
     return float((clocks[-1] - clocks[beats] + 1) / beats - 1)
-
-
-def everything(build: Build) -> Settings:
-    """All peaks are corners, and all of them are refined."""
-    return Settings.default(build, sigma1=0, sigma2=lenient(build), report_rejected=True)
 
 
 @each("name", {name: name for name in PHOTOGRAPHS}, quick=("grass", "cell"))

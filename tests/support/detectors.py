@@ -15,7 +15,7 @@ from sim.engine import Engine
 from sim.engines import make_engine
 from sim.frames import Frame, SimulationResult, compare, frame_stimulus, simulate_frames, summarize
 from sim.stimulus import Stalls, Stimulus
-from tests.support.filters import selective
+from tests.support.filters import lenient, selective
 from tests.support.profiles import ADAPTIVE_OPTIONS as ADAPTIVE
 
 PAPER = Build.profile("paper")
@@ -89,6 +89,14 @@ MIXTURES = {
 }
 
 
+STALLS = {
+    "none": Stalls(),
+    "both": Stalls(inputs=0.3, outputs=0.3, seed=3),
+    "starved": Stalls(inputs=0.9, seed=4),
+    "clogged": Stalls(outputs=0.97, seed=5),
+}
+
+
 @cache
 def engine(parameters: Parameters) -> Engine:
     return make_engine("compiled", Detector(parameters))
@@ -97,6 +105,11 @@ def engine(parameters: Parameters) -> Engine:
 def both_kinds(parameters: Parameters) -> Settings:
     """Corners in plenty, of which some are rejected and all reported."""
     return Settings.default(parameters, sigma1=0.002, sigma2=selective(parameters), report_rejected=True)
+
+
+def everything(parameters: Parameters) -> Settings:
+    """The most corners that there can be: all peaks are, and all of them are reported."""
+    return Settings.default(parameters, sigma1=0, sigma2=lenient(parameters), report_rejected=True)
 
 
 def run(parameters: Parameters, frames: list[Frame], stalls: Stalls | None = None) -> SimulationResult:

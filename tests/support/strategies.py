@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from golden import Parameters, Settings
 from hdl.build import Build
+from sim.frames import Frame
+from sim.stimulus import Stalls
 
 Image = NDArray[np.unsignedinteger[Any]]
 SMALLEST = 19
@@ -118,6 +120,18 @@ def any_settings(parameters: Parameters) -> st.SearchStrategy[Settings]:
         **(budgets if parameters.budget else {}),
         **(cells if parameters.max_per_cell else {}),
     )
+
+
+def any_frames(build: Build) -> st.SearchStrategy[list[Frame]]:
+    """Up to four frames, of at most 64x64 pixels, back to back."""
+    image = images(build.pixel_bits, 64, max(build.min_width, build.algorithm.support))
+    return st.lists(st.tuples(image, any_settings(build)), min_size=1, max_size=4)
+
+
+def any_stalls() -> st.SearchStrategy[Stalls]:
+    """Stalls of input and output, from none to nine clocks in ten."""
+    chance = st.sampled_from([0.0, 0.1, 0.5, 0.9])
+    return st.builds(Stalls, chance, chance, st.integers(0, 1000))
 
 
 def _possible(chosen: dict[str, Any]) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
+from typing import Any
 from zlib import crc32
 
 import pytest
@@ -20,6 +21,14 @@ from tests.support.builds import each
 
 SMALL = {"max_width": 40, "max_height": 32}
 ODD = {"max_width": 37, "max_height": 29}
+BUDGET: dict[str, Any] = {
+    **{"response_filter": "none", "budget": True, "suppression": 2},
+    **{"max_per_cell": 5, "min_cell_width": 10},
+}
+MIXTURE: dict[str, Any] = {
+    **{"pixel_bits": 10, "gradient": "signed", "fit": "six", "patches": "pixels"},
+    **{"buffering": "lean", "queue_depth": 8, "autostart": True},
+}
 BUILDS = {
     "paper-banked": Build.profile("paper", **SMALL),
     "paper-lean": Build.profile("paper", buffering="lean", **ODD),
@@ -39,60 +48,22 @@ BUILDS = {
     ),
     "precise-lean": Build.profile("precise", **SMALL),
     "precise-banked-video": Build.profile("precise", buffering="banked", video_out=True, **ODD),
-    "robust-budget": Build.profile(
-        "robust",
-        response_filter="none",
-        budget=True,
-        suppression=2,
-        max_per_cell=5,
-        min_cell_width=10,
-        **SMALL,
-    ),
+    "robust-budget": Build.profile("robust", **BUDGET, **SMALL),
     "everything-4": Build.profile(
-        "robust",
-        pixels_per_clock=4,
-        response_filter="none",
-        budget=True,
-        suppression=2,
-        max_per_cell=5,
-        min_cell_width=10,
-        video_out=True,
-        max_width=160,
-        max_height=32,
+        "robust", **BUDGET, pixels_per_clock=4, video_out=True, max_width=160, max_height=32
     ),
     "paper-2-banked-video": Build.profile(
         "paper", pixels_per_clock=2, video_out=True, max_width=75, max_height=29
     ),
     "precise-2": Build.profile("precise", pixels_per_clock=2, max_width=80, max_height=32),
     "mixture-4": Build.profile(
-        "paper",
-        pixels_per_clock=4,
-        pixel_bits=10,
-        gradient="signed",
-        fit="six",
-        patches="pixels",
-        buffering="lean",
-        queue_depth=8,
-        autostart=True,
-        video_out=True,
-        max_width=149,
-        max_height=29,
+        "paper", **MIXTURE, pixels_per_clock=4, video_out=True, max_width=149, max_height=29
     ),
     "paper-8": Build.profile("paper", pixels_per_clock=8, buffering="lean", max_width=301, max_height=29),
     "robust-8-video": Build.profile(
         "robust", pixels_per_clock=8, video_out=True, max_width=320, max_height=32
     ),
-    "mixture": Build.profile(
-        "paper",
-        pixel_bits=10,
-        gradient="signed",
-        fit="six",
-        patches="pixels",
-        buffering="lean",
-        queue_depth=8,
-        autostart=True,
-        **ODD,
-    ),
+    "mixture": Build.profile("paper", **MIXTURE, **ODD),
 }
 LARGE = {
     "paper-banked-video-large": Build.profile("paper", video_out=True, max_width=256, max_height=192),
