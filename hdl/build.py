@@ -44,9 +44,9 @@ class Build(Parameters):
         several pixels per clock, twice as many beats with candidates can wait, too. Hardware only:
         changes delays, never a record.
     refinement_units
-        Units that refine corners, 1 to 4. 0: as many as every photograph needs that the
-        project was measured with; with 4 or 8 pixels per clock, units that are faster, too.
-        Hardware only: changes delays, never a record. Gradient steps have one.
+        Units that refine corners, 1 to 4. 0: as many as photographs need, one, or two with 8 pixels
+        per clock. With 4 or 8 pixels per clock each of them is faster. Hardware only: changes
+        delays, never a record. Gradient steps have one.
     multipliers
         Squares of gradients, then of the response, that embedded multipliers may find: even, 0 to
         1024; what is beyond is not used. Two of them take the place of a table in block RAM. Each
@@ -118,6 +118,8 @@ class Build(Parameters):
     def min_width(self) -> int:
         """Narrowest frame: the algorithm's window, and with several pixels per clock a beat more.
 
+        That is three beats and a pixel at least, or four where gradients and convolution lose most
+        of that.
         Heights are from ``Algorithm.support``.
         """
         support, lanes = self.algorithm.support, self.pixels_per_clock
