@@ -122,9 +122,21 @@ def test_latency_without_corners(build: Build) -> None:
 @builds
 def test_full_rate(build: Build) -> None:
     """Back-to-back frames of one size never wait, be it for their thresholds."""
-    for size in ((build.algorithm.support + 1, 64), (20, 512), (64, 61)):
+    for size in ((build.algorithm.support + 1, 64), (20, build.min_width), (20, 512), (64, 61)):
         frames = [(noise(*size, seed, build), Settings.default(build)) for seed in range(5)]
         assert [frame.clocks for frame in run(build, frames).frames] == clocks_of(build, frames)
+
+
+@builds
+def test_the_smallest_frames_wait_for_their_thresholds(build: Build) -> None:
+    """As long as the page says, at most."""
+    for height in range(build.algorithm.support, 20):
+        size = height, build.min_width
+        frames = [(noise(*size, seed, build), Settings.default(build)) for seed in range(5)]
+        beats = beat_count(size, build)
+        longest = max(frame.clocks for frame in run(build, frames).frames)
+        assert beats <= longest <= max(beats, 48 + 8 * beat_count((1, size[1]), build))
+        assert longest > beats or height > build.algorithm.support
 
 
 @builds
