@@ -173,7 +173,9 @@ class CandidateQueue(wiring.Component):
         free = Signal()
         m.d.comb += [
             free.eq(~self.o.valid | self.o.ready),
-            entries.o.ready.eq((left == 0) | free & (rest == 0)),
+            # a clock of its own for each beat, so that the queue's enables hang on this alone; a
+            # window takes more clocks anyhow
+            entries.o.ready.eq(left == 0),
             self.waiting.eq(self.o.valid | left.any() | entries.o.valid),
         ]
         request, waiting = self.o.payload, entries.o.payload

@@ -77,11 +77,11 @@ class CandidateStage(wiring.Component):
         self._halves, self._choosing = p.sums_halves, p.max_per_cell > 0
         self._place = place_layout(p)
         rows = 2 * reach + 1 if p.buffers_smoothed else size
-        self.response_buffer = CircularBuffer(shape, rows, p.beats, p.buffering)
+        self.response_buffer = CircularBuffer(shape, rows, p.beats, p.buffering, reads_ahead=True)
         self.smoothed_beats: Any = None
         if reach:
             self.smoothed_beats = SmoothedBeats(p, 1) if p.buffers_smoothed else SmoothedBeats(p)
-        smoothed_buffer = CircularBuffer(shape, size - 2 * reach, p.beats, p.buffering)
+        smoothed_buffer = CircularBuffer(shape, size - 2 * reach, p.beats, p.buffering, reads_ahead=True)
         self._smoothed_buffer = optional(p.buffers_smoothed, **{"smoothed buffer": smoothed_buffer})
         self.peak_mask = PeakMask(p)
         self.candidate_queue = CandidateQueue(p)

@@ -19,10 +19,10 @@ from hdl.parts.stream import Beat, Columns, Pipeline
 from hdl.preprocessing import sizes_layout, sizes_shape
 
 LATE_ROWS = (1, 2, 3)
-"""Rows looked up a clock after the outer two, so that their sums do not meet in one clock.
-
-Only with one pixel per clock: in several lanes, sums that meet cost less than registers.
-"""
+"""Rows looked up a clock after the outer two, so that their sums do not meet in one clock."""
+MIDDLE_ROW = (2,)
+"""The same with several pixels per clock, where registers cost more: no sums of two adders begin in
+block RAM, which is far away."""
 
 
 def products_layout(parameters: Parameters) -> data.StructLayout:
@@ -48,8 +48,8 @@ def _column_sum(rows: list[Lanes], name: str, *, half: bool = False) -> Lanes:
     Parameters
     ----------
     rows
-        Five rows of unsigned values of one width. With one pixel per clock the middle three come a
-        clock after the others.
+        Five rows of unsigned values of one width. The middle three come a clock after the others,
+        with several pixels per clock only the third.
     name
         Name of the channel.
     half
@@ -70,8 +70,9 @@ def _column_sum(rows: list[Lanes], name: str, *, half: bool = False) -> Lanes:
     outer = (first + fifth).register(f"{name}_outer")
     # what is doubled leaves bit 0 alone
     if len(outer) > 1:
-        inner = (second + fourth + third).register(f"{name}_inner")
-        return outer.map(_with_double, inner)[: width + 3].register(f"{name}_column")
+        inner = (second + fourth).register(f"{name}_inner")
+        upper = outer.map(_with_double, inner)
+        return upper.map(_with_double, third)[: width + 3].register(f"{name}_column")
     upper = outer.map(_with_double, second).register(f"{name}_upper")
     inner = (third + fourth).register(f"{name}_inner")
     return upper.map(_with_double, inner)[: width + 3]
@@ -193,8 +194,9 @@ class Convolution(wiring.Component):
         """Squares by channel and row."""
         lanes, newest = self._lanes, self.i.payload.data
         column = [sizes for row in range(SMOOTHING_SIZE) for sizes in each_lane(newest[row], lanes)]
-        late_rows = LATE_ROWS if lanes == 1 else ()
-        found = self._squares.look_up(m, pipe, column, late_rows)
+        late_rows = LATE_ROWS if lanes == 1 else MIDDLE_ROW
+        late = {row * lanes + lane for row in late_rows for lane in range(lanes)}
+        found = self._squares.look_up(m, pipe, column, late)
         return {
             name: [
                 Lanes(

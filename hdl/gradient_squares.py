@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 from amaranth.hdl import Module, Shape, Value
@@ -60,7 +61,7 @@ class GradientSquares:
         return sum(table.memory_bits for table in (*self._gradients, *self._differences))
 
     def look_up(
-        self, m: Module, pipe: Pipeline, column: Any, late: tuple[int, ...] = ()
+        self, m: Module, pipe: Pipeline, column: Any, late: Collection[int] = ()
     ) -> dict[str, list[Value]]:
         """a, b and d by channel and row, from the top.
 

@@ -80,14 +80,12 @@ class PeakMask(wiring.Component):
         pipe = Pipeline(m, self.i, self.o, permit=self.permit)
         ties = p.algorithm.ties
         rows = [self._row(pipe, k) for k in range(self.rows)]
-        middle = rows[r]
-        above = middle.map(lambda v: v > self.t1)
-        ends = [rows[r - k].map(lambda v: _ahead(ties, v)) for k in range(1, r + 1)]
-        ends += [rows[r + k].map(lambda v: _behind(ties, v)) for k in range(1, r + 1)]
+        ends = [self._larger_end(rows[r - k], rows[r + k], k) for k in range(1, r + 1)]
+        middle = rows[r].register("middle")
         while len(ends) > 1:
             pairs = [a.map(larger, b) for a, b in zip(ends[::2], ends[1::2], strict=False)]
             ends = [v.register(f"ends_{k}") for k, v in enumerate(pairs + ends[len(ends) & ~1 :])]
-            middle, above = middle.register("middle"), above.register("above")
+            middle = middle.register("middle")
 
         late = p.algorithm.window_size // 2 - r - RESPONSE_FILTER_REACH[p.algorithm.response_filter]
         marks = Cat(self.i.payload.eol, self.i.payload.eof, self._counts(m, pipe))
@@ -98,8 +96,10 @@ class PeakMask(wiring.Component):
         here = middle.map(lambda v: _ahead(ties, v))
         peak = here.map(lambda v, e: v > e, ends[0])
         before = ends[0].map(lambda e, v, p: Mux(p, v, e), here, peak).register("before")
-        promising = peak if p.budget else peak.map(lambda a, b: a & b, above)
-        promising = promising.register("promising")
+        promising = peak.register("promising")
+        if not p.budget:
+            above = middle.map(lambda v: v > self.t1).register("above")
+            promising = promising.map(lambda a, b: a & b, above)
         if r == 1 and ties == "first":
             left, right = self._compare_neighbours(before, promising, peak.register("peak"))
         else:
@@ -116,6 +116,18 @@ class PeakMask(wiring.Component):
             Cat(self.o.payload.eol, self.o.payload.eof).eq(pipe.register(marks[:2], "tags")),
         ]
         return m
+
+    def _larger_end(self, above: Lanes, below: Lanes, distance: int) -> Lanes:
+        """The larger one of two rows as far from the middle, a clock later.
+
+        They come from block RAM, which is far away: in that clock they are only compared.
+        """
+        ties = self._parameters.algorithm.ties
+        upper, lower = above.map(lambda v: _ahead(ties, v)), below.map(lambda v: _behind(ties, v))
+        upper_one = upper.map(lambda a, b: a > b, lower).register(f"upper_{distance}")
+        upper = above.register(f"above_{distance}").map(lambda v: _ahead(ties, v))
+        lower = below.register(f"below_{distance}").map(lambda v: _behind(ties, v))
+        return upper_one.map(Mux, upper, lower)
 
     def _row(self, pipe: Pipeline, row: int) -> Lanes:
         beat = each_lane(self.i.payload.data[row], self._lanes)

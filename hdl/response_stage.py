@@ -61,15 +61,16 @@ class ResponseStage(wiring.Component):
         self._parameters = p = parameters
         pixels, samples = pixels_shape(p), responses_shape(p)
         self.frame_control = FrameControl(p)
+        ahead = p.pixels_per_clock > 1
         self._filters: dict[str, Any] = {}
         for k in range(p.algorithm.pixel_passes):
             number = f" {k + 1}" if k else ""
-            buffer = CircularBuffer(pixels, FILTER_ROWS, p.beats, p.buffering)
+            buffer = CircularBuffer(pixels, FILTER_ROWS, p.beats, p.buffering, reads_ahead=ahead)
             self._filters |= {
                 f"filter buffer{number}": buffer,
                 f"pixel filter{number}": PixelFilter(p, 2 * k),
             }
-        self.pixel_buffer = CircularBuffer(pixels, PIXEL_ROWS, p.beats, p.buffering)
+        self.pixel_buffer = CircularBuffer(pixels, PIXEL_ROWS, p.beats, p.buffering, reads_ahead=ahead)
         self.preprocessing = Preprocessing(p)
         self.convolution = Convolution(p)
         self.response = Response(p)

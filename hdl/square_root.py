@@ -84,10 +84,18 @@ class SquareRoot(wiring.Component):
             before, remainder = remainder, _step(m, operand, remainder, digit)
             probe(self, **{f"step_{k}": remainder})
             # a signal of its own, or each of the next step's uses would repeat this step's logic
-            stored = Signal(k, name=f"operand_{k}")
-            m.d.comb += stored.eq(operand ^ (before[-1] ^ remainder[-1]).replicate(k))
-            if (k + 1 - self._looked_up) % self._bits_per_stage == 0:
+            stored, inverts = Signal(k, name=f"operand_{k}"), before[-1] ^ remainder[-1]
+            ends = (k + 1 - self._looked_up) % self._bits_per_stage == 0
+            # what comes out of block RAM comes from far away: the inversion then waits for the next
+            # clock
+            from_table = 0 < k == self._looked_up
+            if ends and from_table:
+                inverts = self._register(m, inverts, f"inverts_{k}")
+                operand = self._register(m, operand, f"root_{k}")
+            m.d.comb += stored.eq(operand ^ inverts.replicate(k))
+            if ends and not from_table:
                 stored = self._register(m, stored, f"root_{k}")
+            if ends:
                 remainder = self._register(m, remainder, f"remainder_{k}")
             # the newest bit is inverted where it is 1, which makes it 0
             operand = Cat(C(0, 1), stored)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-from amaranth.hdl import Array, Cat, Module, Mux, Shape, ShapeLike, Signal
+from amaranth.hdl import Array, Cat, Module, Mux, Shape, ShapeLike, Signal, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
@@ -41,6 +41,9 @@ class CircularBuffer(wiring.Component):
     registers
         With ``"lean"``: additional registers behind the columns, so that the path of the next block
         does not begin in block RAM. ``"banked"`` has them already, behind its multiplexers.
+    reads_ahead
+        With ``"lean"``: the memory is read for the next column while this one comes, one clock
+        earlier. So the incoming value waits in one register less; but the tags decide an address.
 
     Members
     -------
@@ -51,13 +54,21 @@ class CircularBuffer(wiring.Component):
     """
 
     def __init__(
-        self, shape: ShapeLike, rows: int, max_width: int, buffering: Buffering, registers: int = 0
+        self,
+        shape: ShapeLike,
+        rows: int,
+        max_width: int,
+        buffering: Buffering,
+        registers: int = 0,
+        *,
+        reads_ahead: bool = False,
     ) -> None:
         self._shape = Shape.cast(shape)
         self._rows = rows
         self._max_width = max_width
         self._buffering = buffering
         self._registers = registers if buffering == "lean" else 0
+        self._reads_ahead = reads_ahead and buffering == "lean"
         super().__init__(
             {"i": In(stream.Signature(Beat(shape))), "o": Out(stream.Signature(Columns(shape, rows)))}
         )
@@ -65,7 +76,7 @@ class CircularBuffer(wiring.Component):
     @property
     def latency(self) -> int:
         """Clocks from a beat to its column, or (banked) from a row's end to its first column."""
-        return 2 + self._registers if self._buffering == "lean" else 5
+        return 2 - self._reads_ahead + self._registers if self._buffering == "lean" else 5
 
     @property
     def memory_bits(self) -> int:
@@ -83,13 +94,18 @@ class CircularBuffer(wiring.Component):
         m.submodules.rows = memory = Memory(shape=width * stored, depth=self._max_width, init=[])
         read, write = memory.read_port(), memory.write_port()
 
+        def wait(value: Value, name: str, *, reset: bool = False) -> Value:
+            return value if self._reads_ahead else pipe.register(value, name, reset=reset)
+
         # one clock for the memory's own register, one for ours behind it
         x = Signal(range(self._max_width))
+        following = Mux(self.i.payload.eol, 0, x + 1)
         with m.If(pipe.valid & pipe.advance):
-            m.d.sync += x.eq(Mux(self.i.payload.eol, 0, x + 1))
-        m.d.comb += [read.addr.eq(x), read.en.eq(pipe.advance)]
-        arrived = pipe.register(pipe.valid, "arrived", reset=True)
-        eol, eof = (pipe.register(tag, "arrived_tag") for tag in (self.i.payload.eol, self.i.payload.eof))
+            m.d.sync += x.eq(following)
+        address = Mux(pipe.valid, following, x) if self._reads_ahead else x
+        m.d.comb += [read.addr.eq(address), read.en.eq(pipe.advance)]
+        arrived = wait(pipe.valid, "arrived", reset=True)
+        eol, eof = (wait(tag, "arrived_tag") for tag in (self.i.payload.eol, self.i.payload.eof))
         tags = pipe.register(Cat(eol, eof), "tags")
 
         rows_seen = Signal(range(self._rows))
@@ -100,7 +116,7 @@ class CircularBuffer(wiring.Component):
             with m.Elif(~complete):
                 m.d.sync += rows_seen.eq(rows_seen + 1)
         ends = pipe.register(arrived & complete, "valid", reset=True)
-        newest = pipe.register(self.i.payload.data, "newest")
+        newest = wait(Value.cast(self.i.payload.data), "newest")
         column = pipe.register(Cat(read.data, newest), "column")
 
         # each row moves up by one: what was read, less its oldest value, goes back with the newest

@@ -31,6 +31,9 @@ class DelayLine(wiring.Component):
         Shape of the value.
     clocks
         Delay in enabled clocks. Up to 3 are registers, and no memory.
+    part
+        Bits that are in one memory, up to :data:`PART`: values that go to different places should
+        not share one.
 
     Members
     -------
@@ -42,12 +45,15 @@ class DelayLine(wiring.Component):
     Raises
     ------
     ValueError
-        ``clocks`` is below 0.
+        ``clocks`` is below 0, or ``part`` is not one of those allowed.
     """
 
-    def __init__(self, shape: ShapeLike, clocks: int) -> None:
+    def __init__(self, shape: ShapeLike, clocks: int, part: int = PART) -> None:
         if clocks < 0:
             raise ValueError(f"clocks is {clocks}; allowed: whole numbers from 0")
+        if not 1 <= part <= PART:
+            raise ValueError(f"part is {part}; allowed: whole numbers from 1 to {PART}")
+        self._part = part
         self._width = Shape.cast(shape).width
         self.latency = clocks
         super().__init__({"enable": In(1), "i": In(shape), "o": Out(shape)})
@@ -76,8 +82,8 @@ class DelayLine(wiring.Component):
         with m.If(self.enable):
             m.d.sync += place.eq(Mux(place == self._depth - 1, 0, place + 1))
         read_out, rings = [], []
-        for k, low in enumerate(range(0, self._width, PART)):
-            part = value[low : low + PART]
+        for k, low in enumerate(range(0, self._width, self._part)):
+            part = value[low : low + self._part]
             m.submodules[f"ring_{k}"] = ring = Memory(shape=len(part), depth=self._depth, init=[])
             read, write = ring.read_port(), ring.write_port()
             m.d.comb += [

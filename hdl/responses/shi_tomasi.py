@@ -10,7 +10,7 @@ from amaranth.hdl import Cat, Module, Mux, Value
 from hdl.build import Build
 from hdl.convolution import square_pairs
 from hdl.parts.arithmetic import magnitude
-from hdl.parts.delay_line import DelayLine
+from hdl.parts.delay_line import PART, DelayLine
 from hdl.parts.lanes import each_lane, lane_name
 from hdl.parts.squarer import Squarer, make_squarer
 from hdl.parts.stream import Pipeline
@@ -52,9 +52,10 @@ class Response(ResponseBlock):
         self._lanes = lanes = parameters.pixels_per_clock
         per_stage, looked_up = parameters.sqrt_bits_per_stage, ROOT_TABLE_BITS if lanes > 1 else 0
         self._roots = [SquareRoot(self._bits, per_stage, looked_up) for _ in range(lanes)]
-        # with one lane one clock less: its last register stands by itself, because the line is
-        # block RAM and so far away; in several, registers would take too much
-        self._line = DelayLine(self._bits * lanes + 2, self.latency - 1 - (lanes == 1))
+        # its last register stands by itself, because the line is block RAM and so far away; in
+        # several lanes that would take too much, and the sums before it have their own
+        part = PART if lanes == 1 else min(self._bits, PART)
+        self._line = DelayLine(self._bits * lanes + 2, self.latency - 2, part)
         # the convolution's squares come first
         multiplied = parameters.multiplied_pairs - square_pairs(parameters)
         self._tables = [_tables(self._half, lanes, multiplied - len(PARTS) * lane) for lane in range(lanes)]
@@ -76,9 +77,10 @@ class Response(ResponseBlock):
         m.submodules.line = line = self._line
         tensors = each_lane(self.i.payload.data, self._lanes)
         sums = [(tensor.a + tensor.b)[: self._bits] for tensor in tensors]
+        given = Cat(*sums, self.i.payload.eol, self.i.payload.eof)
         m.d.comb += [
             line.enable.eq(pipe.advance),
-            line.i.eq(Cat(*sums, self.i.payload.eol, self.i.payload.eof)),
+            line.i.eq(pipe.delay(given, int(self._lanes > 1), "given")),
         ]
         waited = pipe.delay(line.o, int(self._lanes == 1), "waited")
         for lane, response in enumerate(each_lane(self.o.payload.data, self._lanes)):

@@ -43,6 +43,10 @@ def buffer(name: EngineName, rows: int, max_width: int, buffering: Buffering) ->
     return engine(name, CircularBuffer, BITS, rows, max_width, buffering)
 
 
+def buffer_ahead(rows: int, buffering: Buffering) -> CircularBuffer:
+    return CircularBuffer(BITS, rows, MAX_WIDTH, buffering, reads_ahead=True)
+
+
 def check(runner: Engine, rows: int, sizes: list[Size], stalls: Stalls = NO_STALLS, seed: int = 0) -> Capture:
     """Frames of these sizes, one after the other; nothing comes after the last."""
     frames = noise(sizes, (1 << BITS) - 1, seed)
@@ -74,6 +78,20 @@ def test_more_registers(buffering: Buffering, registers: int, stalls: Stalls) ->
         before = check(engine("compiled", CircularBuffer, *arguments), rows, sizes, stalls)
         later = capture.output_clocks["o"] - before.output_clocks["o"]
         assert (later == block.latency - plain.latency).all()
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+def test_reading_ahead(name: EngineName, stalls: Stalls) -> None:
+    """Every lean column comes a clock earlier, in any size; a banked one as it was."""
+    rows = 5
+    sizes = many_sizes(rows, MAX_WIDTH) if name == "compiled" else [(rows + 2, 3), (rows, 7), (rows + 1, 4)]
+    capture = check(engine(name, buffer_ahead, rows, "lean"), rows, sizes, stalls)
+    if stalls == NO_STALLS:
+        before = check(buffer(name, rows, MAX_WIDTH, "lean"), rows, sizes)
+        assert (before.output_clocks["o"] - capture.output_clocks["o"] == 1).all()
+    for buffering, clocks in (("lean", 1), ("banked", 0)):
+        plain = CircularBuffer(BITS, rows, MAX_WIDTH, buffering)
+        assert plain.latency - buffer_ahead(rows, buffering).latency == clocks
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
