@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from amaranth.hdl import C, Cat, Module, ShapeLike, Value, signed, unsigned
@@ -13,16 +14,17 @@ from golden.convolution import SHIFT
 from golden.formats import SMOOTHING_SIZE
 from golden.parameters import Parameters
 from hdl.build import Build
-from hdl.gradient_squares import GradientSquares
+from hdl.gradient_squares import GradientSquares, gradient_difference
 from hdl.parts.lanes import Lanes, deliver, each_lane, lanes_of
 from hdl.parts.stream import Beat, Columns, Pipeline
-from hdl.preprocessing import sizes_layout, sizes_shape
+from hdl.preprocessing import difference_shape, gradient_shape, sizes_shape
 
 LATE_ROWS = (1, 2, 3)
 """Rows looked up a clock after the outer two, so that their sums do not meet in one clock."""
-MIDDLE_ROW = (2,)
-"""The same with several pixels per clock, where registers cost more: no sums of two adders begin in
-block RAM, which is far away."""
+MIDDLE_ROW = 2
+"""The only one with several pixels per clock, where registers cost more."""
+MIDDLE_LATE = 2
+"""How many clocks later, so that no sum of two adders begins in block RAM, which is far away."""
 
 
 def products_layout(parameters: Parameters) -> data.StructLayout:
@@ -48,8 +50,8 @@ def _column_sum(rows: list[Lanes], name: str, *, half: bool = False) -> Lanes:
     Parameters
     ----------
     rows
-        Five rows of unsigned values of one width. The middle three come a clock after the others,
-        with several pixels per clock only the third.
+        Five rows of unsigned values of one width. With one pixel per clock the middle three come a
+        clock after the others; otherwise only the third comes later, by a clock or two.
     name
         Name of the channel.
     half
@@ -59,7 +61,7 @@ def _column_sum(rows: list[Lanes], name: str, *, half: bool = False) -> Lanes:
     Returns
     -------
     The sum, three bits wider than a row: 2 clocks after the outer rows, of which the second with
-    one pixel per clock is still to come.
+    one pixel per clock is still to come; otherwise a clock after the third.
     """
     first, second, third, fourth, fifth = rows
     width = len(first.values[0])
@@ -72,6 +74,7 @@ def _column_sum(rows: list[Lanes], name: str, *, half: bool = False) -> Lanes:
     if len(outer) > 1:
         inner = (second + fourth).register(f"{name}_inner")
         upper = outer.map(_with_double, inner)
+        upper = upper.register(f"{name}_upper", third.clock - upper.clock)
         return upper.map(_with_double, third)[: width + 3].register(f"{name}_column")
     upper = outer.map(_with_double, second).register(f"{name}_upper")
     inner = (third + fourth).register(f"{name}_inner")
@@ -111,10 +114,16 @@ def _cross(a: Value, b: Value, d: Value) -> Value:
     return (a + b)[1:] - d[1:]
 
 
+def _cross_less_one(a: Value, b: Value, d: Value) -> Value:
+    """The same less 1, subtracted without its carry."""
+    return (a + b)[1:] + ~d[1:]
+
+
 def _round_halves(total: Value) -> Value:
-    """C of a signed sum that has half a unit in it already."""
-    whole, high = ~total[:SHIFT].any(), total[SHIFT:].as_signed()
-    return (high - (whole & (high[-1] | ~high.any())))[: len(high)].as_signed()
+    """C of a signed sum that has 24 in it: half a unit, less 8 for columns of one less."""
+    # halves away from zero: 8 more from 0 up, 7 below; between them either gives 0
+    negative = total[-1]
+    return (total + Cat(negative.replicate(3), ~negative))[SHIFT : len(total)].as_signed()
 
 
 class Convolution(wiring.Component):
@@ -142,10 +151,13 @@ class Convolution(wiring.Component):
         self._bits = parameters.product_bits
         self._lanes = parameters.pixels_per_clock
         self._lost = 2 * parameters.algorithm.response_margin - (SMOOTHING_SIZE - 1)
-        # rows of all lanes; two differences that share a table lie in one row, or in rows that are
-        # looked up in the same clock
+        # rows of all lanes
         self._squares = GradientSquares(
-            sizes_layout(parameters), SMOOTHING_SIZE, self._lanes, parameters.multiplied_pairs
+            gradient_shape(parameters),
+            difference_shape(parameters),
+            SMOOTHING_SIZE,
+            self._lanes,
+            parameters.multiplied_pairs,
         )
         super().__init__(
             {
@@ -158,9 +170,9 @@ class Convolution(wiring.Component):
     def latency(self) -> int:
         """Signed products round on either side of zero, which may take a clock of its own.
 
-        With several pixels per clock there are more sums between registers.
+        With several pixels per clock there are other sums between registers.
         """
-        return GradientSquares.latency + (3 + self._signed if self._lanes == 1 else 5)
+        return GradientSquares.latency + (3 + self._signed if self._lanes == 1 else 6)
 
     @property
     def memory_bits(self) -> int:
@@ -192,22 +204,42 @@ class Convolution(wiring.Component):
 
     def _look_up(self, m: Module, pipe: Pipeline) -> dict[str, list[Lanes]]:
         """Squares by channel and row."""
-        lanes, newest = self._lanes, self.i.payload.data
-        column = [sizes for row in range(SMOOTHING_SIZE) for sizes in each_lane(newest[row], lanes)]
-        late_rows = LATE_ROWS if lanes == 1 else MIDDLE_ROW
-        late = {row * lanes + lane for row in late_rows for lane in range(lanes)}
-        found = self._squares.look_up(m, pipe, column, late)
+        given: dict[str, list[Lanes]] = {"a": [], "b": [], "d": []}
+        for row in range(SMOOTHING_SIZE):
+            for name, numbers in self._numbers(pipe, row).items():
+                given[name].append(numbers)
+        # row by row, the lanes of each from the left
+        found = self._squares.look_up(
+            m, pipe, *([v for n in rows for v in n.values] for rows in given.values())
+        )
         return {
             name: [
                 Lanes(
                     pipe,
-                    values[row * lanes : (row + 1) * lanes],
+                    found[name][row * self._lanes : (row + 1) * self._lanes],
                     f"{name}_square_{row}",
-                    GradientSquares.latency + (row in late_rows),
+                    numbers.clock + GradientSquares.latency,
                 )
-                for row in range(SMOOTHING_SIZE)
+                for row, numbers in enumerate(rows)
             ]
-            for name, values in found.items()
+            for name, rows in given.items()
+        }
+
+    def _numbers(self, pipe: Pipeline, row: int) -> dict[str, Lanes]:
+        """What is looked up for a row, in the clock in which that happens."""
+        beat = each_lane(self.i.payload.data[row], self._lanes)
+        gx, gy = (Lanes(pipe, [sizes[name] for sizes in beat], name) for name in ("gx", "gy"))
+        if self._lanes == 1:
+            difference = Lanes(pipe, [sizes.difference for sizes in beat], "difference")
+            late = int(row in LATE_ROWS)
+        else:
+            # an adder before block RAM would be a long path
+            difference = gx.map(partial(gradient_difference, signed=self._signed), gy)
+            difference = difference.register(f"difference_{row}")
+            late = MIDDLE_LATE if row == MIDDLE_ROW else 0
+        return {
+            name: numbers.register(f"{name}_late_{row}", max(late - numbers.clock, 0))
+            for name, numbers in (("a", gx), ("b", gy), ("d", difference))
         }
 
     def _cross_of_columns(self, a: Lanes, b: Lanes, d: Lanes) -> Lanes:
@@ -215,14 +247,12 @@ class Convolution(wiring.Component):
         width = len(a.values[0])
         if not self._signed:
             return _row_sum(a.map(_cross, b, d)[:width].register("c_column"), "c", clocks=2)[SHIFT:]
-        column = a.map(lambda a, b, d: _cross(a, b, d)[: width + 1].as_signed(), b, d)
-        total = _row_sum(column.register("c_column"), "c", clocks=2)
-        # halves away from zero: half a unit too much is a whole one where it leaves nothing or less
-        return total.map(_round_halves)
+        column = a.map(lambda a, b, d: _cross_less_one(a, b, d)[: width + 1].as_signed(), b, d)
+        return _row_sum(column.register("c_column"), "c", clocks=2).map(_round_halves)
 
     def _signed_cross(self, a: Lanes, b: Lanes, d: Lanes) -> Lanes:
         """C rounded, one clock later: halves away from zero."""
         # subtracted without its carry: C + 31, to which only those from 0 up still add 1
         size = self._bits + SHIFT + 1
-        lower = a.map(lambda a, b, d: ((a + b)[1:] + ~d[1:])[:size].as_signed(), b, d).register("lower")
+        lower = a.map(lambda a, b, d: _cross_less_one(a, b, d)[:size].as_signed(), b, d).register("lower")
         return lower.map(lambda lower: (lower + ~lower[-1]) >> SHIFT)

@@ -3,14 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from typing import Any
+from amaranth.hdl import C, Module, Shape, Value
 
-from amaranth.hdl import Module, Shape, Value
-from amaranth.lib import data
-
+from hdl.parts.arithmetic import add_with_carry
 from hdl.parts.squarer import LATENCY, Squarer, make_squarer
 from hdl.parts.stream import Pipeline
+
+
+def gradient_difference(gx: Value, gy: Value, *, signed: bool) -> Value:
+    """gx - gy (signed), or a number of the size of | |gx| - |gy| |."""
+    # that is |gx - gy| where the signs are equal, |gx + gy| where not
+    subtract = C(1, 1) if signed else ~(gx[-1] ^ gy[-1])
+    second = (gy.as_unsigned() ^ subtract.replicate(len(gy))).as_signed()
+    return add_with_carry(gx, second, subtract)[: len(gx) + signed].as_signed()
 
 
 class GradientSquares:
@@ -23,8 +28,8 @@ class GradientSquares:
 
     Parameters
     ----------
-    sizes
-        Layout of a row: see :func:`hdl.preprocessing.sizes_layout`.
+    gradient, difference
+        Shapes of the numbers.
     rows
         Number of rows, in each lane.
     lanes
@@ -35,12 +40,13 @@ class GradientSquares:
 
     latency = LATENCY
 
-    def __init__(self, sizes: data.StructLayout, rows: int, lanes: int = 1, multiplied: int = 0) -> None:
+    def __init__(
+        self, gradient: Shape, difference: Shape, rows: int, lanes: int = 1, multiplied: int = 0
+    ) -> None:
         alone = rows * lanes
-        fields = ["gx"] * alone + ["difference"] * (self.pairs(rows, lanes) - alone)
+        shapes = [gradient] * alone + [difference] * (self.pairs(rows, lanes) - alone)
 
-        def squarer(number: int, field: str) -> Squarer:
-            shape = Shape.cast(sizes[field].shape)
+        def squarer(number: int, shape: Shape) -> Squarer:
             return make_squarer(
                 shape.width,
                 signed_numbers=shape.signed,
@@ -48,7 +54,7 @@ class GradientSquares:
                 multiplies=number < multiplied,
             )
 
-        found = [squarer(number, field) for number, field in enumerate(fields)]
+        found = [squarer(number, shape) for number, shape in enumerate(shapes)]
         self._gradients, self._differences = found[:alone], found[alone:]
 
     @staticmethod
@@ -61,31 +67,28 @@ class GradientSquares:
         return sum(table.memory_bits for table in (*self._gradients, *self._differences))
 
     def look_up(
-        self, m: Module, pipe: Pipeline, column: Any, late: Collection[int] = ()
+        self, m: Module, pipe: Pipeline, gx: list[Value], gy: list[Value], differences: list[Value]
     ) -> dict[str, list[Value]]:
-        """a, b and d by channel and row, from the top.
+        """a, b and d by channel and row, from the top, ``latency`` clocks later.
 
         Parameters
         ----------
         m, pipe
             Module and pipeline of the block that this is a part of. The tables are added to it.
-        column
-            A row's sizes by its number.
-        late
-            Rows that are looked up a clock later than the others.
+        gx, gy, differences
+            The numbers of each row. Two differences that share a table come in the same clock, and
+            so do both gradients.
         """
         for k, table in enumerate((*self._gradients, *self._differences)):
             m.submodules[f"table_{k}"] = table
             m.d.comb += table.enable.eq(pipe.advance)
         squares: dict[str, list[Value]] = {"a": [], "b": [], "d": []}
         for row, gradients in enumerate(self._gradients):
-            sizes, differences = column[row], self._differences[row // 2]
-            for channel, number, table, port in (
-                ("a", sizes.gx, gradients, 0),
-                ("b", sizes.gy, gradients, 1),
-                ("d", sizes.difference, differences, row % 2),
+            for channel, numbers, table, port in (
+                ("a", gx, gradients, 0),
+                ("b", gy, gradients, 1),
+                ("d", differences, self._differences[row // 2], row % 2),
             ):
-                size = pipe.delay(number, int(row in late), f"{channel}_late_{row}")
-                m.d.comb += table.x[port].eq(size)
+                m.d.comb += table.x[port].eq(numbers[row])
                 squares[channel].append(Value.cast(table.square[port]))
         return squares

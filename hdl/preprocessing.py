@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
-from amaranth.hdl import C, Module, ShapeLike, Value, signed, unsigned
+from amaranth.hdl import C, Module, Shape, ShapeLike, Value, signed, unsigned
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from golden.formats import SMOOTHING_SIZE
 from hdl.build import Build
+from hdl.gradient_squares import gradient_difference
 from hdl.parts.arithmetic import add_with_carry, magnitude
 from hdl.parts.lanes import Lanes, deliver, each_lane, lanes_of
+from hdl.parts.optional import optional
 from hdl.parts.stream import Columns, Pipeline
 from hdl.sample import pixels_shape
 
@@ -22,13 +25,23 @@ PIXEL_ROWS = SMOOTHING_SIZE + 2
 def sizes_layout(build: Build) -> data.StructLayout:
     """|gx|, |gy|, and the size of their difference, or of gx - gy where gradients have a sign.
 
-    The difference of signed gradients has one bit more than a gradient. With several pixels per
-    clock each of the three may have either sign: only its square matters.
+    With several pixels per clock gx and gy only, which have a sign.
     """
+    gradient, difference = gradient_shape(build), difference_shape(build)
+    alone = build.pixels_per_clock == 1
+    return data.StructLayout({"gx": gradient, "gy": gradient, **optional(alone, difference=difference)})
+
+
+def gradient_shape(build: Build) -> Shape:
+    """Of what is squared of a gradient: with several pixels per clock it may have either sign."""
     bits = build.pixel_bits
-    difference = bits + 1 if build.algorithm.gradient == "signed" else bits
-    shape = unsigned if build.pixels_per_clock == 1 else lambda size: signed(size + 1)
-    return data.StructLayout({"gx": shape(bits), "gy": shape(bits), "difference": shape(difference)})
+    return unsigned(bits) if build.pixels_per_clock == 1 else signed(bits + 1)
+
+
+def difference_shape(build: Build) -> Shape:
+    """The same of a difference; that of signed gradients has one bit more than a gradient."""
+    gradient = gradient_shape(build)
+    return Shape(gradient.width + (build.algorithm.gradient == "signed"), gradient.signed)
 
 
 def sizes_shape(build: Build) -> ShapeLike:
@@ -46,7 +59,8 @@ class Preprocessing(wiring.Component):
         clock 1   gx, gy
         clock 2   |gx|, |gy|, and ±(|gx| - |gy|) (absolute) or gx - gy (signed)
 
-    With several pixels per clock there is no clock 2: tables find the squares of signed numbers.
+    With several pixels per clock there is no clock 2, and gx and gy are delivered: tables find the
+    squares of signed numbers.
 
     With ``derivative="sobel"`` gx and gy come two clocks later: three rows of each column are added
     up, and the column two before is subtracted; differences of two rows are added up along the row,
@@ -93,28 +107,18 @@ class Preprocessing(wiring.Component):
             make = self._smoothed if self._sobel else self._gradients
             above, here, below = rows[row : row + 3]
             gx, gy = make(above, here, below, row)
-            difference = gx.map(self._difference, gy)
+            numbers = {"gx": gx, "gy": gy}
             if self._lanes == 1:
-                gx, gy = (
-                    gradient.map(magnitude).register(f"{name}_size_{row}")
-                    for name, gradient in (("gx", gx), ("gy", gy))
-                )
-                difference = difference.register(f"difference_{row}").map(magnitude)
+                difference = gx.map(partial(gradient_difference, signed=self._signed), gy)
+                numbers = {
+                    name: gradient.map(magnitude).register(f"{name}_size_{row}")
+                    for name, gradient in numbers.items()
+                }
+                numbers["difference"] = difference.register(f"difference_{row}").map(magnitude)
             for lane, sizes in enumerate(each_lane(self.o.payload.data[row], self._lanes)):
-                m.d.comb += [
-                    sizes.gx.eq(gx.values[lane]),
-                    sizes.gy.eq(gy.values[lane]),
-                    sizes.difference.eq(difference.values[lane]),
-                ]
-        deliver(m, pipe, self.i, self.o, difference, lost=self._lost, more=2)
+                m.d.comb += [sizes[name].eq(value.values[lane]) for name, value in numbers.items()]
+        deliver(m, pipe, self.i, self.o, numbers["gx"], lost=self._lost, more=2)
         return m
-
-    def _difference(self, gx: Value, gy: Value) -> Value:
-        """gx - gy, or a number of the size of | |gx| - |gy| |."""
-        # that is |gx - gy| where the signs are equal, |gx + gy| where not
-        subtract = C(1, 1) if self._signed else ~(gx[-1] ^ gy[-1])
-        second = (gy.as_unsigned() ^ subtract.replicate(len(gy))).as_signed()
-        return add_with_carry(gx, second, subtract)[: len(gx) + self._signed].as_signed()
 
     @staticmethod
     def _gradients(above: Lanes, here: Lanes, below: Lanes, row: int) -> tuple[Lanes, Lanes]:

@@ -14,8 +14,8 @@ from amaranth.lib.wiring import In, Out
 from hdl.parts.delay_line import DelayLine
 from hdl.parts.probes import probe
 
-TABLE_LATENCY = 2
-"""The block RAM's own register, and the one behind it."""
+TABLE_LATENCY = 3
+"""The block RAM's own register, the one behind it, and one more, because block RAM is far away."""
 RINGS = (4, 5)
 """Clocks of the two delay lines in which the radicand waits: the shortest that are memory."""
 
@@ -41,7 +41,7 @@ class SquareRoot(wiring.Component):
     bits_per_stage
         Result bits between two registers: more saves registers and latency, and lengthens the path.
     looked_up
-        Result bits, fewer than all, that come from a table in block RAM instead, two clocks later.
+        Result bits, fewer than all, that a table in block RAM tells instead, in three clocks.
 
     Members
     -------
@@ -84,18 +84,10 @@ class SquareRoot(wiring.Component):
             before, remainder = remainder, _step(m, operand, remainder, digit)
             probe(self, **{f"step_{k}": remainder})
             # a signal of its own, or each of the next step's uses would repeat this step's logic
-            stored, inverts = Signal(k, name=f"operand_{k}"), before[-1] ^ remainder[-1]
-            ends = (k + 1 - self._looked_up) % self._bits_per_stage == 0
-            # what comes out of block RAM comes from far away: the inversion then waits for the next
-            # clock
-            from_table = 0 < k == self._looked_up
-            if ends and from_table:
-                inverts = self._register(m, inverts, f"inverts_{k}")
-                operand = self._register(m, operand, f"root_{k}")
-            m.d.comb += stored.eq(operand ^ inverts.replicate(k))
-            if ends and not from_table:
+            stored = Signal(k, name=f"operand_{k}")
+            m.d.comb += stored.eq(operand ^ (before[-1] ^ remainder[-1]).replicate(k))
+            if (k + 1 - self._looked_up) % self._bits_per_stage == 0:
                 stored = self._register(m, stored, f"root_{k}")
-            if ends:
                 remainder = self._register(m, remainder, f"remainder_{k}")
             # the newest bit is inverted where it is 1, which makes it 0
             operand = Cat(C(0, 1), stored)
@@ -114,7 +106,7 @@ class SquareRoot(wiring.Component):
         )
         port = table.read_port()
         m.d.comb += [port.addr.eq(self.radicand[-2 * bits :]), port.en.eq(self.enable)]
-        found = self._register(m, port.data, "found")
+        found = self._register(m, self._register(m, port.data, "read"), "found")
         return Cat(C(0, 1), found[bits + 2 :]), found[: bits + 2]
 
     def _digits(self, m: Module) -> list[Value]:

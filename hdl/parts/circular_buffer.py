@@ -43,7 +43,7 @@ class CircularBuffer(wiring.Component):
         does not begin in block RAM. ``"banked"`` has them already, behind its multiplexers.
     reads_ahead
         With ``"lean"``: the memory is read for the next column while this one comes, one clock
-        earlier. So the incoming value waits in one register less; but the tags decide an address.
+        earlier. So the incoming value waits in one register less.
 
     Members
     -------
@@ -98,12 +98,18 @@ class CircularBuffer(wiring.Component):
             return value if self._reads_ahead else pipe.register(value, name, reset=reset)
 
         # one clock for the memory's own register, one for ours behind it
-        x = Signal(range(self._max_width))
-        following = Mux(self.i.payload.eol, 0, x + 1)
-        with m.If(pipe.valid & pipe.advance):
-            m.d.sync += x.eq(following)
-        address = Mux(pipe.valid, following, x) if self._reads_ahead else x
-        m.d.comb += [read.addr.eq(address), read.en.eq(pipe.advance)]
+        step = pipe.valid & pipe.advance
+        if self._reads_ahead:
+            # what is read waits for its beat; no adder comes before the address
+            after_next = Signal(range(self._max_width), init=1)
+            m.d.comb += [read.addr.eq(Mux(self.i.payload.eol, 0, after_next)), read.en.eq(step)]
+            with m.If(step):
+                m.d.sync += after_next.eq(read.addr + 1)
+        else:
+            x = Signal(range(self._max_width))
+            with m.If(step):
+                m.d.sync += x.eq(Mux(self.i.payload.eol, 0, x + 1))
+            m.d.comb += [read.addr.eq(x), read.en.eq(pipe.advance)]
         arrived = wait(pipe.valid, "arrived", reset=True)
         eol, eof = (wait(tag, "arrived_tag") for tag in (self.i.payload.eol, self.i.payload.eof))
         tags = pipe.register(Cat(eol, eof), "tags")

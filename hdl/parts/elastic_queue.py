@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, ShapeLike, Signal, Value
+from amaranth.hdl import Module, Mux, ShapeLike, Signal, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
@@ -73,7 +73,9 @@ class ElasticQueue(wiring.Component):
         for port, steps in ((write, self.i.valid), (read, taken)):
             with m.If(steps):
                 m.d.sync += port.addr.eq(port.addr + 1)
-        m.d.sync += [level.eq(level + self.i.valid - taken), self.room.eq(level < self._most)]
+        with m.If(self.i.valid ^ taken):
+            m.d.sync += level.eq(level + Mux(taken, -1, 1))
+        m.d.sync += self.room.eq(level < self._most)
         # a register more, because block RAM is far away; both are its own
         found = Signal(len(given), reset_less=True)
         with m.If(moves):

@@ -20,9 +20,9 @@ RESPONSE = {
         "by_hand and amaranth",
     ),
     "the sign of C is dropped": Mutation(
-        "hdl/preprocessing.py",
-        "C(1, 1) if self._signed",
-        "~(gx[-1] ^ gy[-1]) if self._signed",
+        "hdl/gradient_squares.py",
+        "C(1, 1) if signed",
+        "~(gx[-1] ^ gy[-1]) if signed",
         "tests/hdl/test_preprocessing.py",
         "sizes and amaranth and signed",
     ),
@@ -49,8 +49,8 @@ RESPONSE = {
     ),
     "a half of C that is negative is rounded up in lanes": Mutation(
         "hdl/convolution.py",
-        "(high[-1] | ~high.any())",
-        "high[-1]",
+        "Cat(negative.replicate(3), ~negative)",
+        "C(8, 4)",
         "tests/hdl/test_lanes.py",
         "convolution_halves",
     ),
