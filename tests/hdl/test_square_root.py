@@ -122,17 +122,17 @@ def check(
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
-@pytest.mark.parametrize(("shape", "latency"), [((17, 1, 0), 17), ((17, 3, 0), 6), ((17, 1, 5), 14)])
+@pytest.mark.parametrize(("shape", "latency"), [((17, 1, 0), 17), ((17, 3, 0), 6), ((17, 1, 5), 15)])
 def test_stalls(shape: tuple[int, int, int], latency: int, name: EngineName, stalls: Stalls) -> None:
     check(some_radicands(17, 4000 if name == "compiled" else 200), shape, latency, name, stalls)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_latency(shape: tuple[int, int, int]) -> None:
-    """A stage with the last few bits is one of its own; bits that are looked up take two clocks."""
+    """A stage with the last few bits is one of its own; bits that are looked up take three clocks."""
     (root_bits, bits_per_stage, looked_up), latency = shape, SquareRoot(*shape).latency
     steps = (root_bits - looked_up + bits_per_stage - 1) // bits_per_stage
-    assert latency == steps + (2 if looked_up else 0)
+    assert latency == steps + (3 if looked_up else 0)
     check(some_radicands(root_bits, 40), shape, latency, "amaranth")
 
 
