@@ -129,7 +129,7 @@ def test_stalls(shape: tuple[int, int, int], latency: int, name: EngineName, sta
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_latency(shape: tuple[int, int, int]) -> None:
-    """A stage with the last few bits is one of its own; bits that are looked up take three clocks."""
+    """A stage with the last few bits is one of its own; bits looked up take three clocks."""
     (root_bits, bits_per_stage, looked_up), latency = shape, SquareRoot(*shape).latency
     steps = (root_bits - looked_up + bits_per_stage - 1) // bits_per_stage
     assert latency == steps + (3 if looked_up else 0)
