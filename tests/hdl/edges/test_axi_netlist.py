@@ -17,7 +17,7 @@ from tests.hdl.edges.test_axi_cocotb import BUILDS, FRAMES
 NETLISTS = {
     "robust-lean": (BUILDS["robust-lean"], ("stress", "malformed")),
     "robust-4": (
-        Build.profile("robust", pixels_per_clock=4, max_width=64, max_height=24),
+        Build.profile("robust", pixels_per_clock=4, max_width=96, max_height=24),
         ("stress", "malformed", "lanes"),
     ),
 }
