@@ -81,5 +81,5 @@ class ElasticQueue(wiring.Component):
         with m.If(moves):
             m.d.sync += [read_out.eq(taken), self.o.valid.eq(read_out), found.eq(read.data)]
         m.d.comb += Value.cast(self.o.payload).eq(found)
-        probe(self, memory=memory, write=write, read=read, level=level)
+        probe(self, memory=memory, write=write, read=read, level=level, read_out=read_out)
         return m

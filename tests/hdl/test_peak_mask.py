@@ -20,6 +20,8 @@ BUILDS = {
     "suppression 2": Build.profile("robust", texture="none", response_filter="none", suppression=2),
     "suppression 4": Build.profile("paper", texture="none", suppression=4, ties="first", budget=True),
 }
+# most peaks are larger, and some are equal
+T1 = {"strict": 21, "first": 21, "suppression 2": 28, "suppression 4": 27}
 
 
 def peaks_of(frame: Array, build: Build, t1: int) -> Array:
@@ -45,11 +47,15 @@ def test_noise(kind: str, lanes: int, stalls: Stalls) -> None:
     lost, margin, rows = 2 * build.algorithm.response_margin, build.algorithm.margin, PeakMask(build).rows
     narrow = max(2 * margin + 1, build.min_width)
     sizes = [(rows + 5, narrow - lost), *((rows + 9, narrow + 20 + k - lost) for k in range(lanes))]
-    t1 = 3
+    t1 = T1[kind]
     frames = noise(sizes, 30, seed=lanes)
     beats, _ = in_beats(frames, lanes, lost=lost, largest=63)
-    masks, _ = in_beats([peaks_of(frame, build, t1) for frame in frames], lanes, lost=lost, largest=0)
-    assert any(mask.any() for mask in masks)
+    masks, lower = (
+        in_beats([peaks_of(frame, build, limit) for frame in frames], lanes, lost=lost, largest=0)[0]
+        for limit in (t1, t1 - 1)
+    )
+    above, all_of_lower = (sum(int(mask.sum()) for mask in each) for each in (masks, lower))
+    assert above and (all_of_lower > above or build.budget or lanes == 2)
 
     columns = [np.moveaxis(sliding_window_view(frame, rows, axis=0), -1, 2) for frame in beats]
     ends = tags([frame.shape[:2] for frame in columns])

@@ -24,6 +24,9 @@ BUILDS = {
     "lean": stage_build("robust", 2),
     "without filters": stage_build("paper", 4),
     "filtered": stage_build("robust", 8, buffering="banked"),
+    "10-bit pixels": stage_build("paper", 2, pixel_bits=10, gradient="signed", derivative="sobel"),
+    "4-bit pixels": stage_build("robust", 4, pixel_bits=4, pixel_filter="twice", gradient="absolute"),
+    "10-bit pixels, filtered": stage_build("robust", 4, pixel_bits=10),
 }
 
 
@@ -31,7 +34,7 @@ BUILDS = {
 @pytest.mark.parametrize(
     "build",
     [
-        pytest.param(build, id=name, marks=[pytest.mark.verify] if build.pixels_per_clock > 2 else [])
+        pytest.param(build, id=name, marks=[] if name == "lean" else [pytest.mark.verify])
         for name, build in BUILDS.items()
     ],
 )
@@ -40,11 +43,11 @@ def test_frames(build: Build, stalls: Stalls) -> None:
     lanes, narrowest, support = build.pixels_per_clock, build.min_width, build.algorithm.support
     widths = [narrowest, build.max_width, *range(narrowest, narrowest + lanes), build.max_width - 1]
     frames: list[Array] = noise(
-        [(support + k % 3, width) for k, width in enumerate(widths)], 255, dtype=np.uint8
+        [(support + k % 3, width) for k, width in enumerate(widths)], build.pixel_max, dtype=np.uint16
     )
     lost = 2 * build.algorithm.response_margin
     responses = [response_map(frame, build).astype(np.int64) for frame in frames]
-    beats, _ = in_beats(frames, lanes)
+    beats, _ = in_beats(frames, lanes, largest=build.pixel_max)
     expected, counting = in_beats(responses, lanes, lost=lost, largest=0)
 
     stage = ResponseStage(build)
