@@ -181,7 +181,7 @@ QUEUE = Claim(
     faults=(
         Fault("entries.room & ~self.full", "~self.full", "beats: more is inside", 24),
         Fault("for k in reversed(range(lanes)):", "for k in range(lanes):", "candidates: another", 12),
-        Fault("free & (rest == 0)", "(rest == 0)", "candidates: another", 12),
+        Fault("ready.eq(left == 0)", "ready.eq(rest == 0)", "candidates: another", 12),
         Fault("Cat(lane, entry.ring)", "Cat(lane, entry.ring + 1)", "candidates: another", 12),
         Fault("self.o.valid | left.any() | entries.o.valid", "self.o.valid | left.any()", "waiting", 12),
     ),

@@ -73,6 +73,18 @@ def test_places(kind: str, lanes: int, stalls: Stalls) -> None:
     x = np.where(is_candidate, places["x"], 0)
     got = np.stack([column, x, places["y"], places["note"], places["end"]], axis=1)
     wanted = np.array(expected)
+    if stalls == NO_STALLS:
+        came = capture.input_clocks["i"][wanted[:, 0] // lanes]
+        check_rate(wanted[:, 0] // lanes, is_candidate, came, capture.output_clocks["o"])
     wanted[:, 0] %= build.ring_beats * lanes
     assert got.tolist() == wanted.tolist()
     assert is_candidate.sum() > 3 * block.beats
+
+
+def check_rate(beat: Array, is_candidate: Array, came: Array, left: Array) -> None:
+    """Where none has to be waited for: a clock for each candidate, and one more for each beat."""
+    both = is_candidate[1:] & is_candidate[:-1]
+    same, waited = both & (np.diff(beat) == 0), both & (came[1:] + 6 < left[:-1])
+    steps = np.diff(left)
+    assert (steps[same] == 1).all()
+    assert (waited & ~same).any() and (steps[waited & ~same] == 2).all()
