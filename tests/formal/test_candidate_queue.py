@@ -62,7 +62,8 @@ class QueueChecker(Elaboratable):
             capacity=depth,
             fills=depth < DEFAULT.candidate_beats,
         )
-        board.leaves_within(LANES + 3, dut.o.ready)
+        # the beat before it may hold a candidate in every lane, and a note
+        late = board.leaves_within(LANES + 2, dut.o.ready)
         closed = Signal()
         m.d.sync += closed.eq(dut.full)
         going = dut.o.ready & ~dut.full & ~closed
@@ -71,9 +72,12 @@ class QueueChecker(Elaboratable):
         overdue = accepts_within(m, most + 1, dut.i, during=going, name="i")
         queue_holds(m, entries, in_entries, board, depth)
         level, room, left = in_entries["level"], inside["room"], inside["left"]
+        remaining = sum(left[k] for k in range(LANES + 1))
+        invariant(m, late + remaining <= LANES + 1, "a beat comes late")
+        invariant(m, entries.o.valid | (late <= 1), "the memory's first comes late")
         invariant(m, ~room | (level <= depth - 2), "room is none")
         surplus = Mux(level > depth - 3, level - (depth - 3), 0)
-        to_come = surplus * (LANES + 2) + sum(left[k] for k in range(LANES + 1)) + ~room
+        to_come = surplus * (LANES + 2) + remaining + ~room
         invariant(m, room | (overdue + to_come <= most), "room comes late")
         # an entry is there because it holds something
         for place in range(depth):
