@@ -19,6 +19,27 @@ LANES = {
         "tests/hdl/parts/test_elastic_queue.py",
         "amaranth-full",
     ),
+    "a beat that comes as another leaves counts twice": Mutation(
+        "hdl/parts/elastic_queue.py",
+        "self.i.valid ^ taken",
+        "self.i.valid | taken",
+        "tests/hdl/parts/test_elastic_queue.py",
+        "amaranth-unstalled",
+    ),
+    "a response that equals the threshold can be a peak": Mutation(
+        "hdl/peak_mask.py",
+        "v > self.t1",
+        "v >= self.t1",
+        "tests/hdl/test_peak_mask.py",
+        "strict and unstalled",
+    ),
+    "the next beat of candidates waits for the last one to be taken": Mutation(
+        "hdl/candidate_queue.py",
+        "entries.o.ready.eq(left == 0)",
+        "entries.o.ready.eq((left == 0) & ~self.o.valid)",
+        "tests/hdl/test_candidate_queue.py",
+        "paper and unstalled",
+    ),
     "two lanes of a peak mask change places": Mutation(
         "hdl/peak_mask.py",
         "Cat(peaks.values) & marks[2:]",

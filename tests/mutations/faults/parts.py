@@ -33,6 +33,27 @@ PARTS = {
         "tests/hdl/parts/test_circular_buffer.py",
         "columns and amaranth and banked",
     ),
+    "columns that are read ahead go on behind a row's end": Mutation(
+        "hdl/parts/circular_buffer.py",
+        "read.addr.eq(Mux(self.i.payload.eol, 0, after_next))",
+        "read.addr.eq(after_next)",
+        "tests/hdl/parts/test_circular_buffer.py",
+        "reading_ahead and amaranth-unstalled",
+    ),
+    "columns are read ahead while the next one waits": Mutation(
+        "hdl/parts/circular_buffer.py",
+        "read.en.eq(step)]",
+        "read.en.eq(pipe.advance)]",
+        "tests/hdl/parts/test_circular_buffer.py",
+        "reading_ahead and amaranth-both-stall",
+    ),
+    "parts of a delay line share a memory": Mutation(
+        "hdl/parts/delay_line.py",
+        "value[low : low + self._part]",
+        "value[low : low + PART]",
+        "tests/hdl/parts/test_delay_line.py",
+        "test_parts",
+    ),
     "a delay line forgets a place": Mutation(
         "hdl/parts/delay_line.py",
         "place == self._depth - 1",

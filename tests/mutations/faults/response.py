@@ -47,6 +47,13 @@ RESPONSE = {
         "tests/hdl/test_square_root.py",
         "latency",
     ),
+    "the middle row of a window counts once in lanes": Mutation(
+        "hdl/convolution.py",
+        "upper.map(_with_double, third)[: width + 3]",
+        "upper.map(lambda a, b: a + b, third)[: width + 3]",
+        "tests/hdl/test_lanes.py",
+        "convolution_halves",
+    ),
     "a half of C that is negative is rounded up in lanes": Mutation(
         "hdl/convolution.py",
         "Cat(negative.replicate(3), ~negative)",
