@@ -184,7 +184,8 @@ class CandidateRing(wiring.Component):
             m.d.comb += [
                 write.addr.eq(self.written),
                 write.data.eq(given),
-                write.en.eq(self.step),
+                # again and again until it is the column, because an enable would go to all blocks
+                write.en.eq(1),
                 # of two columns, the right one may lie in the next beat, in the lower lanes
                 read.addr.eq(beat_before_half if reads == 2 and k < lanes // 2 else beat),
                 read.en.eq(advance),

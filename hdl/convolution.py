@@ -25,6 +25,8 @@ MIDDLE_ROW = 2
 """The only one with several pixels per clock, where registers cost more."""
 MIDDLE_LATE = 2
 """How many clocks later, so that no sum of two adders begins in block RAM, which is far away."""
+CROSS_LATE = 2
+"""Clocks that C comes later with several pixels per clock where A and B wait for it: a sum each."""
 
 
 def products_layout(parameters: Parameters) -> data.StructLayout:
@@ -135,6 +137,10 @@ class Convolution(wiring.Component):
     The half of rounding is already in the sums of a and b, so in C too. With several pixels per
     clock, what C is the sum of is made of the sums down a column.
 
+    With several pixels per clock and without signs, each clock makes one sum, and A and B wait for
+    C. With signs they do not: their registers, 32 for each lane and clock, would take more than the
+    clock frequency of that build is worth.
+
     c may come from an adder, not from a register: the next block should register it before it
     computes.
 
@@ -172,7 +178,13 @@ class Convolution(wiring.Component):
 
         With several pixels per clock there are other sums between registers.
         """
-        return GradientSquares.latency + (3 + self._signed if self._lanes == 1 else 6)
+        if self._lanes == 1:
+            return GradientSquares.latency + 3 + self._signed
+        return GradientSquares.latency + 6 + self._cross_late
+
+    @property
+    def _cross_late(self) -> int:
+        return 0 if self._lanes == 1 or self._signed else CROSS_LATE
 
     @property
     def memory_bits(self) -> int:
@@ -237,16 +249,20 @@ class Convolution(wiring.Component):
             difference = gx.map(partial(gradient_difference, signed=self._signed), gy)
             difference = difference.register(f"difference_{row}")
             late = MIDDLE_LATE if row == MIDDLE_ROW else 0
+        # where C may wait, a difference is as late behind the outer ones as a gradient
+        with_it = difference.clock if self._cross_late else 0
         return {
-            name: numbers.register(f"{name}_late_{row}", max(late - numbers.clock, 0))
-            for name, numbers in (("a", gx), ("b", gy), ("d", difference))
+            name: numbers.register(f"{name}_late_{row}", max(clock - numbers.clock, 0))
+            for name, numbers, clock in (("a", gx, late), ("b", gy, late), ("d", difference, late + with_it))
         }
 
     def _cross_of_columns(self, a: Lanes, b: Lanes, d: Lanes) -> Lanes:
         """C rounded, from sums down the columns, in the clock of the sums A and B."""
         width = len(a.values[0])
         if not self._signed:
-            return _row_sum(a.map(_cross, b, d)[:width].register("c_column"), "c", clocks=2)[SHIFT:]
+            both = (a + b)[1:].register("both_columns")
+            column = both.map(lambda both, d: (both - d[1:])[:width], d).register("c_column")
+            return _row_sum(column, "c")[SHIFT:]
         column = a.map(lambda a, b, d: _cross_less_one(a, b, d)[: width + 1].as_signed(), b, d)
         return _row_sum(column.register("c_column"), "c", clocks=2).map(_round_halves)
 

@@ -33,8 +33,8 @@ class PeakMask(wiring.Component):
 
     With ``budget`` every peak counts, whether it is above T1 or not.
 
-    Clocks: up to 3 a column's largest (r of them for r = 1, 2, 3), 1 with its middle, up to 2 the
-    largest of r columns, 1 comparisons, 1 what follows.
+    Clocks: 1 registers near by, up to 3 a column's largest (r of them for r = 1, 2, 3), 1 with its
+    middle, up to 2 the largest of r columns, 1 comparisons, 1 what follows.
 
     Members
     -------
@@ -59,7 +59,7 @@ class PeakMask(wiring.Component):
         self._radius = parameters.algorithm.suppression
         self.rows = 2 * self._radius + 1
         r = self._radius
-        self.latency = min(r, 3) + 1 + (r - 1).bit_length() + 2
+        self.latency = 1 + min(r, 3) + 1 + (r - 1).bit_length() + 2
         # those of a row are apart by more than the radius
         self.most = -(-self._lanes // (r + 1))
         self.largest_latency = (self._lanes - 1).bit_length() + 1
@@ -79,7 +79,8 @@ class PeakMask(wiring.Component):
         m, r, p = Module(), self._radius, self._parameters
         pipe = Pipeline(m, self.i, self.o, permit=self.permit)
         ties = p.algorithm.ties
-        rows = [self._row(pipe, k) for k in range(self.rows)]
+        # they come from block RAM, which is far away
+        rows = [self._row(pipe, k).register(f"row_{k}") for k in range(self.rows)]
         ends = [self._larger_end(rows[r - k], rows[r + k], k) for k in range(1, r + 1)]
         middle = rows[r].register("middle")
         while len(ends) > 1:
@@ -118,16 +119,10 @@ class PeakMask(wiring.Component):
         return m
 
     def _larger_end(self, above: Lanes, below: Lanes, distance: int) -> Lanes:
-        """The larger one of two rows as far from the middle, a clock later.
-
-        They come from block RAM, which is far away: in that clock they are only compared.
-        """
+        """The larger one of two rows as far from the middle, a clock later."""
         ties = self._parameters.algorithm.ties
         upper, lower = above.map(lambda v: _ahead(ties, v)), below.map(lambda v: _behind(ties, v))
-        upper_one = upper.map(lambda a, b: a > b, lower).register(f"upper_{distance}")
-        upper = above.register(f"above_{distance}").map(lambda v: _ahead(ties, v))
-        lower = below.register(f"below_{distance}").map(lambda v: _behind(ties, v))
-        return upper_one.map(Mux, upper, lower)
+        return upper.map(larger, lower).register(f"end_{distance}")
 
     def _row(self, pipe: Pipeline, row: int) -> Lanes:
         beat = each_lane(self.i.payload.data[row], self._lanes)

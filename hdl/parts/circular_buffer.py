@@ -99,12 +99,16 @@ class CircularBuffer(wiring.Component):
 
         # one clock for the memory's own register, one for ours behind it
         step = pipe.valid & pipe.advance
+        rows_seen = Signal(range(self._rows))
+        last = Signal(range(self._max_width), init=self._max_width - 1)
         if self._reads_ahead:
-            # what is read waits for its beat; no adder comes before the address
-            after_next = Signal(range(self._max_width), init=1)
-            m.d.comb += [read.addr.eq(Mux(self.i.payload.eol, 0, after_next)), read.en.eq(step)]
+            # what is read waits for its beat. The address is a register, because it goes to many
+            # blocks: so the end of a row is foreseen. What is read during a frame's first row means
+            # nothing, and its end tells how long the rows are.
+            restarts = Mux(rows_seen == 0, ~self.i.payload.eol, read.addr == last) | self.i.payload.eof
+            m.d.comb += read.en.eq(step)
             with m.If(step):
-                m.d.sync += after_next.eq(read.addr + 1)
+                m.d.sync += read.addr.eq(Mux(restarts, 0, read.addr + 1))
         else:
             x = Signal(range(self._max_width))
             with m.If(step):
@@ -114,7 +118,6 @@ class CircularBuffer(wiring.Component):
         eol, eof = (wait(tag, "arrived_tag") for tag in (self.i.payload.eol, self.i.payload.eof))
         tags = pipe.register(Cat(eol, eof), "tags")
 
-        rows_seen = Signal(range(self._rows))
         complete = rows_seen == stored
         with m.If(arrived & eol & pipe.advance):
             with m.If(eof):
@@ -130,6 +133,9 @@ class CircularBuffer(wiring.Component):
         store = pipe.register(arrived, "store", reset=True)
         with m.If(store & pipe.advance):
             m.d.sync += write.addr.eq(Mux(tags[0], 0, write.addr + 1))
+            if self._reads_ahead:
+                with m.If(tags[0]):
+                    m.d.sync += last.eq(write.addr)
         m.d.comb += [
             write.data.eq(column[width:]),
             write.en.eq(store),
