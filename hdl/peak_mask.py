@@ -33,8 +33,9 @@ class PeakMask(wiring.Component):
 
     With ``budget`` every peak counts, whether it is above T1 or not.
 
-    Clocks: 1 registers near by, up to 3 a column's largest (r of them for r = 1, 2, 3), 1 with its
-    middle, up to 2 the largest of r columns, 1 comparisons, 1 what follows.
+    Clocks: 1 registers near by, up to 2 the larger ones of pairs of rows but the middle, 1 the
+    largest of two of them and the middle, up to 2 the largest of r columns, 1 comparisons, 1 what
+    follows.
 
     Members
     -------
@@ -59,7 +60,7 @@ class PeakMask(wiring.Component):
         self._radius = parameters.algorithm.suppression
         self.rows = 2 * self._radius + 1
         r = self._radius
-        self.latency = 1 + min(r, 3) + 1 + (r - 1).bit_length() + 2
+        self.latency = min(r, 3) + 1 + (r - 1).bit_length() + 2
         # those of a row are apart by more than the radius
         self.most = -(-self._lanes // (r + 1))
         self.largest_latency = (self._lanes - 1).bit_length() + 1
@@ -81,9 +82,10 @@ class PeakMask(wiring.Component):
         ties = p.algorithm.ties
         # they come from block RAM, which is far away
         rows = [self._row(pipe, k).register(f"row_{k}") for k in range(self.rows)]
-        ends = [self._larger_end(rows[r - k], rows[r + k], k) for k in range(1, r + 1)]
-        middle = rows[r].register("middle")
-        while len(ends) > 1:
+        ends = [row.map(lambda v: _ahead(ties, v)) for row in rows[:r]]
+        ends += [row.map(lambda v: _behind(ties, v)) for row in rows[r + 1 :]]
+        middle = rows[r]
+        while len(ends) > 2:
             pairs = [a.map(larger, b) for a, b in zip(ends[::2], ends[1::2], strict=False)]
             ends = [v.register(f"ends_{k}") for k, v in enumerate(pairs + ends[len(ends) & ~1 :])]
             middle = middle.register("middle")
@@ -95,8 +97,10 @@ class PeakMask(wiring.Component):
 
         # to those that come after, this column is one before; and the other way round
         here = middle.map(lambda v: _ahead(ties, v))
-        peak = here.map(lambda v, e: v > e, ends[0])
-        before = ends[0].map(lambda e, v, p: Mux(p, v, e), here, peak).register("before")
+        end = ends[0].map(larger, ends[1])
+        # not with the larger one: that would be two comparisons one after the other
+        peak = here.map(lambda v, a, b: (v > a) & (v > b), *ends)
+        before = end.map(lambda e, v, p: Mux(p, v, e), here, peak).register("before")
         promising = peak.register("promising")
         if not p.budget:
             above = middle.map(lambda v: v > self.t1).register("above")
@@ -106,7 +110,7 @@ class PeakMask(wiring.Component):
         else:
             after = before
             if ties == "first":
-                after = ends[0].map(lambda e, v: larger(e, _behind(ties, v)), middle).register("after")
+                after = end.map(lambda e, v: larger(e, _behind(ties, v)), middle).register("after")
             left, right = self._compare(before, after, promising)
         peaks = left.back(r).map(lambda a, b: a & b, right).back(late)
 
@@ -117,12 +121,6 @@ class PeakMask(wiring.Component):
             Cat(self.o.payload.eol, self.o.payload.eof).eq(pipe.register(marks[:2], "tags")),
         ]
         return m
-
-    def _larger_end(self, above: Lanes, below: Lanes, distance: int) -> Lanes:
-        """The larger one of two rows as far from the middle, a clock later."""
-        ties = self._parameters.algorithm.ties
-        upper, lower = above.map(lambda v: _ahead(ties, v)), below.map(lambda v: _behind(ties, v))
-        return upper.map(larger, lower).register(f"end_{distance}")
 
     def _row(self, pipe: Pipeline, row: int) -> Lanes:
         beat = each_lane(self.i.payload.data[row], self._lanes)
