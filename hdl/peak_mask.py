@@ -93,7 +93,10 @@ class PeakMask(wiring.Component):
         late = p.algorithm.window_size // 2 - r - RESPONSE_FILTER_REACH[p.algorithm.response_filter]
         marks = Cat(self.i.payload.eol, self.i.payload.eof, self._counts(m, pipe))
         marks = pipe.delay(marks, middle.clock, "marks")
-        self._find_largest(m, pipe, middle.back(r + late), marks[2:], marks[1])
+        # compared before they wait
+        left_larger = middle.back(1).map(lambda left, here: left > here, middle)
+        centres, left_larger = middle.back(r + late), left_larger.back(r + late)
+        self._find_largest(m, pipe, centres, left_larger, marks[2:], marks[1])
 
         # to those that come after, this column is one before; and the other way round
         here = middle.map(lambda v: _ahead(ties, v))
@@ -180,15 +183,17 @@ class PeakMask(wiring.Component):
             complete & (~eol | within[k]) & (~first if k < columns % lanes else C(1, 1)) for k in range(lanes)
         )
 
-    def _find_largest(self, m: Module, pipe: Pipeline, centres: Lanes, counts: Value, eof: Value) -> None:
+    def _find_largest(
+        self, m: Module, pipe: Pipeline, centres: Lanes, left_larger: Lanes, counts: Value, eof: Value
+    ) -> None:
         """Goes on while the rest waits: the frame's end may come soon."""
         first, step = Signal(init=1), Signal()
         m.d.comb += step.eq(pipe.beat(centres.clock) & pipe.advance)
         with m.If(step):
             m.d.sync += first.eq(eof)
         values = [
-            _largest_that_counts(*pair)
-            for pair in zip(centres.values[::2], counts[::2], centres.values[1::2], counts[1::2], strict=True)
+            _largest_that_counts(*centres.values[k : k + 2], left_larger.values[k + 1], *counts[k : k + 2])
+            for k in range(0, self._lanes, 2)
         ]
         starts: Value = first
         level = 0
@@ -208,9 +213,9 @@ class PeakMask(wiring.Component):
             m.d.sync += self.largest.eq(kept[0])
 
 
-def _largest_that_counts(a: Value, a_counts: Value, b: Value, b_counts: Value) -> Value:
+def _largest_that_counts(a: Value, b: Value, a_larger: Value, a_counts: Value, b_counts: Value) -> Value:
     """0 if neither does."""
-    return Mux(a_counts | b_counts, Mux(a_counts & (~b_counts | (a > b)), a, b), 0)
+    return Mux(a_counts | b_counts, Mux(a_counts & (~b_counts | a_larger), a, b), 0)
 
 
 # Half a unit more for the centre and for what comes before it in raster order says with one

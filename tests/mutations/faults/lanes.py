@@ -77,8 +77,8 @@ LANES = {
     ),
     "a response that does not count is the largest": Mutation(
         "hdl/peak_mask.py",
-        "Mux(a_counts | b_counts, Mux(a_counts & (~b_counts | (a > b)), a, b), 0)",
-        "larger(a, b)",
+        "Mux(a_counts | b_counts, Mux(a_counts & (~b_counts | a_larger), a, b), 0)",
+        "Mux(a_larger, a, b)",
         "tests/hdl/test_candidate_stage.py",
         "3x3 and unstalled",
     ),
