@@ -17,6 +17,10 @@ from amaranth.lib.wiring import In, Out
 from hdl.build import Buffering
 from hdl.parts.stream import Beat, Columns, Pipeline
 
+FAR_BITS = 256
+"""Bits of a memory's word above which its read address goes to so many blocks that no logic may
+come before it."""
+
 
 class CircularBuffer(wiring.Component):
     """Columns of N rows out of a raster.
@@ -68,7 +72,7 @@ class CircularBuffer(wiring.Component):
         self._max_width = max_width
         self._buffering = buffering
         self._registers = registers if buffering == "lean" else 0
-        self._reads_ahead = reads_ahead and buffering == "lean"
+        self._reads_ahead = reads_ahead
         super().__init__(
             {"i": In(stream.Signature(Beat(shape))), "o": Out(stream.Signature(Columns(shape, rows)))}
         )
@@ -99,16 +103,22 @@ class CircularBuffer(wiring.Component):
 
         # one clock for the memory's own register, one for ours behind it
         step = pipe.valid & pipe.advance
-        rows_seen = Signal(range(self._rows))
+        rows_seen, foresees = Signal(range(self._rows)), width * stored > FAR_BITS
         last = Signal(range(self._max_width), init=self._max_width - 1)
         if self._reads_ahead:
-            # what is read waits for its beat. The address is a register, because it goes to many
-            # blocks: so the end of a row is foreseen. What is read during a frame's first row means
-            # nothing, and its end tells how long the rows are.
-            restarts = Mux(rows_seen == 0, ~self.i.payload.eol, read.addr == last) | self.i.payload.eof
+            # what is read waits for its beat; no adder comes before the address
             m.d.comb += read.en.eq(step)
-            with m.If(step):
-                m.d.sync += read.addr.eq(Mux(restarts, 0, read.addr + 1))
+            if foresees:
+                # the end of a row is foreseen. What is read during a frame's first row means
+                # nothing, and its end tells how long the rows are
+                restarts = Mux(rows_seen == 0, ~self.i.payload.eol, read.addr == last) | self.i.payload.eof
+                with m.If(step):
+                    m.d.sync += read.addr.eq(Mux(restarts, 0, read.addr + 1))
+            else:
+                after_next = Signal(range(self._max_width))
+                m.d.comb += read.addr.eq(Mux(self.i.payload.eol, 0, after_next))
+                with m.If(step):
+                    m.d.sync += after_next.eq(read.addr + 1)
         else:
             x = Signal(range(self._max_width))
             with m.If(step):
@@ -133,7 +143,7 @@ class CircularBuffer(wiring.Component):
         store = pipe.register(arrived, "store", reset=True)
         with m.If(store & pipe.advance):
             m.d.sync += write.addr.eq(Mux(tags[0], 0, write.addr + 1))
-            if self._reads_ahead:
+            if self._reads_ahead and foresees:
                 with m.If(tags[0]):
                     m.d.sync += last.eq(write.addr)
         m.d.comb += [

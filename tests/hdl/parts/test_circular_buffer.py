@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hdl.build import Buffering
-from hdl.parts.circular_buffer import CircularBuffer
+from hdl.parts.circular_buffer import FAR_BITS, CircularBuffer
 from hdl.parts.stream import Beat, Columns
 from sim.engine import Engine, EngineName
 from sim.stimulus import Capture, Stalls
@@ -81,9 +81,12 @@ def test_more_registers(buffering: Buffering, registers: int, stalls: Stalls) ->
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
-def test_reading_ahead(name: EngineName, stalls: Stalls) -> None:
-    """Every lean column comes a clock earlier, in any size; a banked one as it was."""
-    rows = 5
+@pytest.mark.parametrize("rows", [5, FAR_BITS // BITS + 2])
+def test_reading_ahead(rows: int, name: EngineName, stalls: Stalls) -> None:
+    """Every lean column comes a clock earlier, in any size; a banked one as it was.
+
+    The memory's word is short, or so long that the address foresees the end of a row.
+    """
     sizes = many_sizes(rows, MAX_WIDTH) if name == "compiled" else [(rows + 2, 3), (rows, 7), (rows + 1, 4)]
     capture = check(engine(name, buffer_ahead, rows, "lean"), rows, sizes, stalls)
     if stalls == NO_STALLS:

@@ -40,6 +40,13 @@ LANES = {
         "tests/hdl/test_candidate_queue.py",
         "paper and unstalled",
     ),
+    "a far line buffer foresees the end of its rows a beat late": Mutation(
+        "hdl/parts/circular_buffer.py",
+        "with m.If(tags[0]):\n                    m.d.sync += last.eq(write.addr)",
+        "with m.If(tags[0]):\n                    m.d.sync += last.eq(write.addr + 1)",
+        "tests/hdl/parts/test_circular_buffer.py",
+        "reading_ahead and unstalled",
+    ),
     "two lanes of a peak mask change places": Mutation(
         "hdl/peak_mask.py",
         "Cat(peaks.values) & marks[2:]",

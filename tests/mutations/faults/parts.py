@@ -42,8 +42,8 @@ PARTS = {
     ),
     "columns are read ahead while the next one waits": Mutation(
         "hdl/parts/circular_buffer.py",
-        "read.en.eq(step)]",
-        "read.en.eq(pipe.advance)]",
+        "m.d.comb += read.en.eq(step)",
+        "m.d.comb += read.en.eq(pipe.advance)",
         "tests/hdl/parts/test_circular_buffer.py",
         "reading_ahead and amaranth-both-stall",
     ),
