@@ -192,7 +192,9 @@ class PeakMask(wiring.Component):
         with m.If(step):
             m.d.sync += first.eq(eof)
         values = [
-            _largest_that_counts(*centres.values[k : k + 2], left_larger.values[k + 1], *counts[k : k + 2])
+            _largest_that_counts(
+                centres.values[k], centres.values[k + 1], left_larger.values[k + 1], counts[k], counts[k + 1]
+            )
             for k in range(0, self._lanes, 2)
         ]
         starts: Value = first
