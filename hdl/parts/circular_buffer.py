@@ -103,7 +103,8 @@ class CircularBuffer(wiring.Component):
 
         # one clock for the memory's own register, one for ours behind it
         step = pipe.valid & pipe.advance
-        rows_seen, foresees = Signal(range(self._rows)), width * stored > FAR_BITS
+        rows_seen = Signal(range(self._rows))
+        foresees = width * stored > FAR_BITS
         last = Signal(range(self._max_width), init=self._max_width - 1)
         if self._reads_ahead:
             # what is read waits for its beat; no adder comes before the address
