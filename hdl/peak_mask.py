@@ -14,6 +14,7 @@ from hdl.corner_detection import larger
 from hdl.parts.lanes import Lanes, counting_lanes, each_lane
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 from hdl.sample import responses_shape
+from hdl.textures import TEXTURES
 
 
 def mask_layout(lanes: int) -> data.StructLayout:
@@ -34,8 +35,9 @@ class PeakMask(wiring.Component):
     With ``budget`` every peak counts, whether it is above T1 or not.
 
     Clocks: 1 registers near by, up to 2 the larger ones of pairs of rows but the middle, 1 the
-    largest of two of them and the middle, up to 2 the largest of r columns, 1 comparisons, 1 what
-    follows.
+    largest of two of them and the middle (behind the many blocks of a window's rows 2, so that it
+    is compared in one and chosen in the other), up to 2 the largest of r columns, 1 comparisons, 1
+    what follows.
 
     Members
     -------
@@ -60,7 +62,9 @@ class PeakMask(wiring.Component):
         self._radius = parameters.algorithm.suppression
         self.rows = 2 * self._radius + 1
         r = self._radius
-        self.latency = min(r, 3) + 1 + (r - 1).bit_length() + 2
+        # where texture is judged, columns of all rows of a window come here
+        self._chooses_late = TEXTURES[parameters.algorithm.texture] is not None
+        self.latency = min(r, 3) + 1 + self._chooses_late + (r - 1).bit_length() + 2
         # those of a row are apart by more than the radius
         self.most = -(-self._lanes // (r + 1))
         self.largest_latency = (self._lanes - 1).bit_length() + 1
@@ -92,7 +96,8 @@ class PeakMask(wiring.Component):
 
         late = p.algorithm.window_size // 2 - r - RESPONSE_FILTER_REACH[p.algorithm.response_filter]
         marks = Cat(self.i.payload.eol, self.i.payload.eof, self._counts(m, pipe))
-        marks = pipe.delay(marks, middle.clock, "marks")
+        counted = middle.clock
+        marks = pipe.delay(marks, counted, "marks")
         # compared before they wait
         left_larger = middle.back(1).map(lambda left, here: left > here, middle)
         centres, left_larger = middle.back(r + late), left_larger.back(r + late)
@@ -100,9 +105,15 @@ class PeakMask(wiring.Component):
 
         # to those that come after, this column is one before; and the other way round
         here = middle.map(lambda v: _ahead(ties, v))
-        end = ends[0].map(larger, ends[1])
+        upper_larger = ends[0].map(lambda a, b: a > b, ends[1])
         # not with the larger one: that would be two comparisons one after the other
         peak = here.map(lambda v, a, b: (v > a) & (v > b), *ends)
+        if self._chooses_late:
+            upper_larger, peak = upper_larger.register("upper_larger"), peak.register("middle_larger")
+            ends = [v.register(f"end_{k}") for k, v in enumerate(ends)]
+            middle = middle.register("middle")
+            here = middle.map(lambda v: _ahead(ties, v))
+        end = upper_larger.map(Mux, *ends)
         before = end.map(lambda e, v, p: Mux(p, v, e), here, peak).register("before")
         promising = peak.register("promising")
         if not p.budget:
@@ -117,7 +128,7 @@ class PeakMask(wiring.Component):
             left, right = self._compare(before, after, promising)
         peaks = left.back(r).map(lambda a, b: a & b, right).back(late)
 
-        marks = pipe.delay(marks, self.latency - 1 - middle.clock, "late_marks")
+        marks = pipe.delay(marks, self.latency - 1 - counted, "late_marks")
         m.d.comb += [
             self.o.valid.eq(pipe.beat(self.latency)),
             self.o.payload.mask.eq(pipe.register(Cat(peaks.values) & marks[2:], "mask")),

@@ -17,6 +17,7 @@ from tests.support.blocks import NO_STALLS, Array, check_block, noise, tags
 BUILDS = {
     "strict": Build.profile("paper"),
     "first": Build.profile("robust", response_filter="none", texture="none"),
+    "first, textures": Build.profile("robust", response_filter="none", texture="patches"),
     "suppression 2": Build.profile("robust", texture="none", response_filter="none", suppression=2),
     "suppression 4": Build.profile("paper", texture="none", suppression=4, ties="first", budget=True),
 }
