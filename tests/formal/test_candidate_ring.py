@@ -104,7 +104,8 @@ class RingChecker(Elaboratable):
         newest = (inside["written"] - age)[:ring_bits]
         m.d.comb += read.eq(age + reach)
         m.d.comb += [
-            Assert(~(running & advance) | (read <= beats), "a column is read that is written over"),
+            # the next beat is written already while it comes
+            Assert(~(running & advance) | (read < beats), "a column is read that is written over"),
             Assert(~(running & advance) | (read >= 1), "a column is read that is not written yet"),
             Assert(
                 ~running | (inside["column"] == (Cat(lane, newest) - back)[: lane_bits + ring_bits]),
