@@ -153,11 +153,15 @@ class TableDivider(wiring.Component):
         factor = Cat(C(1, 1), used, used[-1])
         below = 2 * self._padding
         total = Signal(signed(table.factor_bits + below), name=f"total_{axis}", reset_less=True)
-        added_up: Value = total
-        for digit, minus, suffix in zip(digits, subtract, self._suffixes, strict=True):
-            added = Signal(signed(table.factor_bits + 1), name=f"added_{axis}{suffix}", reset_less=True)
-            m.d.sync += added.eq(_multiple(factor, digit))
-            added_up = add_with_carry(added_up, added, minus)[2:].as_signed()
+        added = []
+        for digit, suffix in zip(digits, self._suffixes, strict=True):
+            product = Signal(signed(table.factor_bits + 1), name=f"added_{axis}{suffix}", reset_less=True)
+            m.d.sync += product.eq(_multiple(factor, digit))
+            added.append(product)
+        if self._per_clock == 1:
+            added_up = add_with_carry(total, added[0], subtract[0])[2:].as_signed()
+        else:
+            added_up = _add_both(total, added, subtract)
         adding = Signal(name=f"adding_{axis}")
         with m.If(self.load):
             m.d.sync += total.eq(table.start << below)
@@ -185,6 +189,25 @@ class TableDivider(wiring.Component):
         with m.If(self.take):
             m.d.sync += self.quotient[axis].eq(Cat(low & inside, ends).as_signed())
         return reached
+
+
+def _add_both(total: Signal, products: list[Signal], ones: list[Signal]) -> Value:
+    """(total + product + one of the lower digit + 4 times those of the upper one) / 16.
+
+    Sums and carries of three bits each leave a single adder, whose carry chain is the long part.
+    """
+    bits = len(total) + 4
+    lower_one, upper_one = ones
+    # 3 in the lowest bits and 1 as a carry are the 4 that come with the upper one
+    upper = Cat(upper_one.replicate(2), products[1])
+    a, b, c = (_extended(value, bits) for value in (total, products[0], upper))
+    carries = Cat(lower_one, ((a & b) | (a & c) | (b & c))[: bits - 1])
+    return add_with_carry(a ^ b ^ c, carries, upper_one)[4:bits].as_signed()
+
+
+def _extended(value: Value, bits: int) -> Value:
+    """Copies of the highest bit in front of it, up to so many bits."""
+    return Cat(value, value[-1].replicate(bits - len(value)))
 
 
 def _choose(far: Value, values: list[Value]) -> Value:
