@@ -86,7 +86,7 @@ class CandidateQueue(wiring.Component):
         There is a candidate here that is at least three clocks old.
     """
 
-    latency = Queue.latency + 2
+    latency = Queue.latency + 3
 
     def __init__(self, build: Build) -> None:
         self._build = build
@@ -107,7 +107,9 @@ class CandidateQueue(wiring.Component):
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        m.submodules.entries = entries = Queue(_entry_layout(self._build), self._build.candidate_beats)
+        m.submodules.entries = entries = Queue(
+            _entry_layout(self._build), self._build.candidate_beats, registered=True
+        )
         room, step = Signal(init=1), Signal()
         marks, entry = self.i.payload, entries.i.payload
         m.d.sync += room.eq(entries.room & ~self.full)
@@ -162,9 +164,9 @@ class CandidateQueue(wiring.Component):
 
     def _take(self, m: Module, entries: Queue) -> None:
         lanes, margin = self._build.pixels_per_clock, self._build.algorithm.margin
-        entry = Signal(_entry_layout(self._build), reset_less=True)
-        # what is left of the beat: a bit for each lane, and the note behind them
-        left = Signal(lanes + 1)
+        entry = entries.o.payload
+        # what is left of the beat: a bit for each lane, and the note behind them; it was looked at
+        left, begun = Signal(lanes + 1), Signal()
         rest = left & (left - 1)[: lanes + 1]
         lane, note = Signal((lanes - 1).bit_length()), ~left[:lanes].any()
         for k in reversed(range(lanes)):
@@ -173,12 +175,12 @@ class CandidateQueue(wiring.Component):
         free = Signal()
         m.d.comb += [
             free.eq(~self.o.valid | self.o.ready),
-            # a clock of its own for each beat, so that the queue's enables hang on this alone; a
+            # two clocks of its own for each beat, so that the queue's enables hang on these alone; a
             # window takes more clocks anyhow
-            entries.o.ready.eq(left == 0),
-            self.waiting.eq(self.o.valid | left.any() | entries.o.valid),
+            entries.o.ready.eq((left == 0) & begun),
+            self.waiting.eq(self.o.valid | entries.waiting),
         ]
-        request, waiting = self.o.payload, entries.o.payload
+        request = self.o.payload
         with m.If(free):
             m.d.sync += [
                 left.eq(rest),
@@ -194,9 +196,10 @@ class CandidateQueue(wiring.Component):
                     request.place.column.eq(entry.column + (lane > entry.last_lane)),
                     request.place.cells_end.eq(note & entry.cells_end),
                 ]
-        with m.If(entries.o.ready):
-            m.d.sync += [
-                left.eq(Mux(entries.o.valid, Cat(waiting.mask, waiting.note), 0)),
-                entry.eq(waiting),
-            ]
-        probe(self, entries=entries, entry=entry, left=left)
+        with m.If(~begun):
+            m.d.sync += begun.eq(entries.o.valid)
+            with m.If(entries.o.valid):
+                m.d.sync += left.eq(Cat(entry.mask, entry.note))
+        with m.Elif(left == 0):
+            m.d.sync += begun.eq(0)
+        probe(self, entries=entries, entry=entry, begun=begun, left=left)

@@ -80,8 +80,13 @@ class CandidateStage(wiring.Component):
         self.response_buffer = CircularBuffer(shape, rows, p.beats, p.buffering, reads_ahead=True)
         self.smoothed_beats: Any = None
         if reach:
-            self.smoothed_beats = SmoothedBeats(p, 1) if p.buffers_smoothed else SmoothedBeats(p)
-        smoothed_buffer = CircularBuffer(shape, size - 2 * reach, p.beats, p.buffering, reads_ahead=True)
+            # S waits for its tags in the smoothed beats, and needs no register in the lean buffer
+            tags_first = p.buffers_smoothed and p.buffering == "lean"
+            rows_of_s = 1 if p.buffers_smoothed else CENTRE_SIZE
+            self.smoothed_beats = SmoothedBeats(p, rows_of_s, tags_first=tags_first)
+        smoothed_buffer = CircularBuffer(
+            shape, size - 2 * reach, p.beats, p.buffering, reads_ahead=True, tags_first=True
+        )
         self._smoothed_buffer = optional(p.buffers_smoothed, **{"smoothed buffer": smoothed_buffer})
         self.peak_mask = PeakMask(p)
         self.candidate_queue = CandidateQueue(p)

@@ -78,6 +78,14 @@ def _along(down: Lanes) -> Lanes:
 
 def binomial(above: Value, here: Value, below: Value) -> Value:
     """a + 2b + c + 2: columns of weights 1, 2 and 1 so add the half that rounds their mean."""
-    # both ones enter where the adders have room for them
-    ends = (Cat(C(1, 1), above) + Cat(C(1, 1), below))[1:]
-    return (ends + Cat(C(1, 1), here))[: len(here) + 2]
+    return with_middle(outer_sum(above, below), here)
+
+
+def outer_sum(above: Value, below: Value) -> Value:
+    """a + c + 1: the ones of ``binomial`` enter where the adders have room for them."""
+    return (Cat(C(1, 1), above) + Cat(C(1, 1), below))[1:]
+
+
+def with_middle(outer: Value, here: Value) -> Value:
+    """``binomial`` out of the sum of its ends: a clock may lie between the two."""
+    return (outer + Cat(C(1, 1), here))[: len(here) + 2]

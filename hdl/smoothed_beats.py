@@ -12,12 +12,13 @@ from hdl.build import Build
 from hdl.centre_rows import CENTRE_SIZE
 from hdl.parts.lanes import Lanes, each_lane
 from hdl.parts.stream import Columns, Pipeline
-from hdl.pixel_filter import binomial
+from hdl.pixel_filter import outer_sum, with_middle
 from hdl.sample import responses_shape
 
 SMOOTHED_ROWS = CENTRE_SIZE + 2
 """Rows of D that three rows of S need."""
 ROWS_LOST = SMOOTHED_ROWS - CENTRE_SIZE
+VALUES_LATENCY = 3
 
 
 class SmoothedBeats(wiring.Component):
@@ -26,8 +27,11 @@ class SmoothedBeats(wiring.Component):
     A lane holds S of the place one column before and one row above its newest response. Every beat
     that comes in goes out: the first two columns of a row are meaningless.
 
-        clock 1   a + 2b + c down the column
-        clock 2   the same along the row: pairs of neighbours, and pairs of these
+        clock 1   a + c down the column
+        clock 2   and 2b
+        clock 3   the same along the row: pairs of neighbours, and pairs of these
+
+    Columns come from block RAM, which is far away, so a single sum begins there.
 
     Parameters
     ----------
@@ -35,6 +39,8 @@ class SmoothedBeats(wiring.Component):
         Parameters of the detector.
     rows
         Rows of S.
+    tags_first
+        A beat's tags come out a clock before its values, as ``CircularBuffer`` may take them.
 
     Members
     -------
@@ -46,10 +52,9 @@ class SmoothedBeats(wiring.Component):
         Stream of ``Columns`` of beats of responses.
     """
 
-    latency = 2
-
-    def __init__(self, build: Build, rows: int = CENTRE_SIZE) -> None:
+    def __init__(self, build: Build, rows: int = CENTRE_SIZE, *, tags_first: bool = False) -> None:
         self._lanes, self._rows = build.pixels_per_clock, rows
+        self.latency = VALUES_LATENCY - tags_first
         column = responses_shape(build)
         super().__init__(
             {
@@ -66,8 +71,10 @@ class SmoothedBeats(wiring.Component):
             Lanes(pipe, [sample.response for sample in each_lane(row, self._lanes)], f"row_{k}")
             for k, row in enumerate(self.i.payload.data)
         ]
+        middle = [row.register(f"middle_{k}") for k, row in enumerate(rows[1:-1])]
         for k in range(self._rows):
-            down = rows[k].map(binomial, *rows[k + 1 : k + 3]).register(f"down_{k}")
+            outer = rows[k].map(outer_sum, rows[k + 2]).register(f"outer_{k}")
+            down = outer.map(with_middle, middle[k]).register(f"down_{k}")
             pair = down + down.back(1)
             smoothed = (pair + pair.back(1))[4:].register(f"smoothed_{k}")
             for sample, value in zip(

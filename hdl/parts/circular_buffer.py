@@ -48,6 +48,9 @@ class CircularBuffer(wiring.Component):
     reads_ahead
         With ``"lean"``: the memory is read for the next column while this one comes, one clock
         earlier. So the incoming value waits in one register less.
+    tags_first
+        With ``reads_ahead``: a beat's value comes a clock after its tags, which is a clock in which
+        the buffer moves. So the incoming value waits in no register, and the source's must hold it.
 
     Members
     -------
@@ -66,6 +69,7 @@ class CircularBuffer(wiring.Component):
         registers: int = 0,
         *,
         reads_ahead: bool = False,
+        tags_first: bool = False,
     ) -> None:
         self._shape = Shape.cast(shape)
         self._rows = rows
@@ -73,6 +77,7 @@ class CircularBuffer(wiring.Component):
         self._buffering = buffering
         self._registers = registers if buffering == "lean" else 0
         self._reads_ahead = reads_ahead
+        self._tags_first = tags_first
         super().__init__(
             {"i": In(stream.Signature(Beat(shape))), "o": Out(stream.Signature(Columns(shape, rows)))}
         )
@@ -137,7 +142,10 @@ class CircularBuffer(wiring.Component):
                 m.d.sync += rows_seen.eq(rows_seen + 1)
         ends = pipe.register(arrived & complete, "valid", reset=True)
         newest = wait(Value.cast(self.i.payload.data), "newest")
-        column = pipe.register(Cat(read.data, newest), "column")
+        if self._tags_first:
+            column: Value = Cat(pipe.register(read.data, "column"), newest)
+        else:
+            column = pipe.register(Cat(read.data, newest), "column")
 
         # each row moves up by one: what was read, less its oldest value, goes back with the newest
         # one below

@@ -29,15 +29,21 @@ class Queue(wiring.Component):
         Payload.
     depth
         Beats in the memory; one more waits at the output.
+    registered
+        The output is a register behind the memory, a clock later, and another beat waits before it.
+        It keeps a beat that was taken until the next one comes. Memory is far away; and block RAM
+        has such a register of its own.
 
     Members
     -------
     i
         Stream of ``shape``, always ready.
     o
-        Stream of ``shape``, two clocks later.
+        Stream of ``shape``, :attr:`latency` clocks later.
     room
         At least three places are free, counted without the beat that is put in now.
+    waiting
+        A beat is here that is at least two clocks old.
 
     Raises
     ------
@@ -47,15 +53,18 @@ class Queue(wiring.Component):
 
     latency = 2
 
-    def __init__(self, shape: ShapeLike, depth: int) -> None:
+    def __init__(self, shape: ShapeLike, depth: int, *, registered: bool = False) -> None:
         if depth < ROOM:
             raise ValueError(f"depth is {depth}; allowed: whole numbers from {ROOM}")
         self._depth = depth
+        self._registered = registered
+        self.latency = Queue.latency + registered
         super().__init__(
             {
                 "i": In(stream.Signature(shape, always_ready=True)),
                 "o": Out(stream.Signature(shape)),
                 "room": Out(1),
+                "waiting": Out(1),
             }
         )
 
@@ -65,7 +74,7 @@ class Queue(wiring.Component):
         m.submodules.memory = memory = Memory(shape=len(given), depth=self._depth, init=[])
         write, read = memory.write_port(), memory.read_port()
         level = Signal(range(self._depth + 1))
-        free, taken = Signal(), Signal()
+        free, taken, read_out = Signal(), Signal(), Signal()
         m.d.comb += [
             free.eq(~self.o.valid | self.o.ready),
             taken.eq(free & (level != 0)),
@@ -74,7 +83,7 @@ class Queue(wiring.Component):
             write.data.eq(given),
             # what is read out of an empty queue is not valid
             read.en.eq(free),
-            Value.cast(self.o.payload).eq(read.data),
+            self.waiting.eq(read_out | self.o.valid),
         ]
         for port, moves in ((write, self.i.valid), (read, taken)):
             with m.If(moves):
@@ -84,6 +93,13 @@ class Queue(wiring.Component):
         with m.Elif(taken & ~self.i.valid):
             m.d.sync += level.eq(level - 1)
         with m.If(free):
-            m.d.sync += self.o.valid.eq(taken)
-        probe(self, memory=memory, write=write, read=read, level=level)
+            m.d.sync += read_out.eq(taken)
+        if self._registered:
+            found = Signal(len(given), reset_less=True)
+            with m.If(free):
+                m.d.sync += [self.o.valid.eq(read_out), found.eq(read.data)]
+            m.d.comb += Value.cast(self.o.payload).eq(found)
+        else:
+            m.d.comb += [self.o.valid.eq(read_out), Value.cast(self.o.payload).eq(read.data)]
+        probe(self, memory=memory, write=write, read=read, level=level, read_out=read_out)
         return m
