@@ -175,8 +175,8 @@ class CandidateQueue(wiring.Component):
         free = Signal()
         m.d.comb += [
             free.eq(~self.o.valid | self.o.ready),
-            # two clocks of its own for each beat, so that the queue's enables hang on these alone; a
-            # window takes more clocks anyhow
+            # two clocks of its own for each beat, so that the queue's enables hang on these alone;
+            # a window takes more clocks anyhow
             entries.o.ready.eq((left == 0) & begun),
             self.waiting.eq(self.o.valid | entries.waiting),
         ]
