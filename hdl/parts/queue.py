@@ -9,6 +9,7 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
+from hdl.parts.optional import optional
 from hdl.parts.probes import probe
 
 ROOM = 3
@@ -43,7 +44,7 @@ class Queue(wiring.Component):
     room
         At least three places are free, counted without the beat that is put in now.
     waiting
-        A beat is here that is at least two clocks old.
+        Where ``registered`` only: a beat is here that is at least two clocks old.
 
     Raises
     ------
@@ -64,7 +65,7 @@ class Queue(wiring.Component):
                 "i": In(stream.Signature(shape, always_ready=True)),
                 "o": Out(stream.Signature(shape)),
                 "room": Out(1),
-                "waiting": Out(1),
+                **optional(registered, waiting=Out(1)),
             }
         )
 
@@ -83,7 +84,6 @@ class Queue(wiring.Component):
             write.data.eq(given),
             # what is read out of an empty queue is not valid
             read.en.eq(free),
-            self.waiting.eq(read_out | self.o.valid),
         ]
         for port, moves in ((write, self.i.valid), (read, taken)):
             with m.If(moves):
@@ -98,7 +98,10 @@ class Queue(wiring.Component):
             found = Signal(len(given), reset_less=True)
             with m.If(free):
                 m.d.sync += [self.o.valid.eq(read_out), found.eq(read.data)]
-            m.d.comb += Value.cast(self.o.payload).eq(found)
+            m.d.comb += [
+                Value.cast(self.o.payload).eq(found),
+                self.waiting.eq(read_out | self.o.valid),
+            ]
         else:
             m.d.comb += [self.o.valid.eq(read_out), Value.cast(self.o.payload).eq(read.data)]
         probe(self, memory=memory, write=write, read=read, level=level, read_out=read_out)

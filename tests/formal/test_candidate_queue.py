@@ -59,25 +59,27 @@ class QueueChecker(Elaboratable):
             given=self._placed(m, dut, inside),
             leaves=moves(entries.o),
             found=entries.o.payload,
-            capacity=depth,
+            capacity=depth + 1,
             fills=depth < DEFAULT.candidate_beats,
         )
-        # the beat before it may hold a candidate in every lane, and a note
-        late = board.leaves_within(LANES + 2, dut.o.ready)
+        stuck = board.leaves_within(LANES + 5, dut.o.ready)
         closed = Signal()
         m.d.sync += closed.eq(dut.full)
         going = dut.o.ready & ~dut.full & ~closed
-        # three beats are to be taken, each of them in as many clocks as it holds candidates
-        most = 3 * (LANES + 2) + LANES + 2
+        # three beats are to be taken, each of them in two clocks more than it holds candidates
+        most = 3 * (LANES + 3) + LANES + 4
         overdue = accepts_within(m, most + 1, dut.i, during=going, name="i")
-        queue_holds(m, entries, in_entries, board, depth)
+        queue_holds(m, entries, in_entries, board, depth, registered=True)
         level, room, left = in_entries["level"], inside["room"], inside["left"]
-        remaining = sum(left[k] for k in range(LANES + 1))
-        invariant(m, late + remaining <= LANES + 1, "a beat comes late")
-        invariant(m, entries.o.valid | (late <= 1), "the memory's first comes late")
+        begun = inside["begun"]
         invariant(m, ~room | (level <= depth - 2), "room is none")
         surplus = Mux(level > depth - 3, level - (depth - 3), 0)
-        to_come = surplus * (LANES + 2) + remaining + ~room
+        here = Mux(begun, left, Cat(entries.o.payload.mask, entries.o.payload.note))
+        taken = sum(here[k] for k in range(LANES + 1)) + Mux(begun, 1, 2)
+        to_come = surplus * (LANES + 3) + Mux(entries.o.valid, taken, 1) + ~room
+        behind = LANES + 3 + Mux(in_entries["read_out"], 1, 2)
+        still = (board.inside != 0) & (stuck + Mux(entries.o.valid, taken, behind) > LANES + 5)
+        invariant(m, ~still, "a beat leaves late")
         invariant(m, room | (overdue + to_come <= most), "room comes late")
         # an entry is there because it holds something
         for place in range(depth):
@@ -85,8 +87,11 @@ class QueueChecker(Elaboratable):
             offset = place - in_entries["read"].addr
             is_kept = Mux(offset < 0, offset + depth, offset) < level
             invariant(m, ~is_kept | filled.mask.any() | filled.note, "an entry is empty")
-        head = entries.o.payload
-        invariant(m, ~entries.o.valid | head.mask.any() | head.note, "the first entry is empty")
+        read_out = data.View(inside["entry"].shape(), in_entries["read"].data)
+        for there, head in ((entries.o.valid, entries.o.payload), (in_entries["read_out"], read_out)):
+            invariant(m, ~there | head.mask.any() | head.note, "one of the first entries is empty")
+        invariant(m, (left == 0) | begun, "nothing has begun")
+        invariant(m, ~begun | entries.o.valid, "what has begun is not there")
         self._lanes_in_turn(m, dut, inside, board)
         self._waits(m, dut, inside, board, enters)
         return m
@@ -125,7 +130,7 @@ class QueueChecker(Elaboratable):
         watching, rest = due.any(), due & (due - 1)[: LANES + 1]
         leaves = moves(o) & watching & ~behind
         # the one before it may still be watched: then it is let pass
-        out = board.following & moves(inside["entries"].o) & (board.ahead == 0)
+        out = board.following & inside["entries"].o.valid & ~inside["begun"] & (board.ahead == 0)
         with m.If(out & (~watching | (leaves & (rest == 0)))):
             here = data.View(entry.shape(), board.value)
             m.d.sync += [
@@ -169,8 +174,11 @@ class QueueChecker(Elaboratable):
         just_came = Signal()
         m.d.sync += just_came.eq(enters)
         m.d.comb += Assert(dut.waiting | (board.inside == just_came), "waiting: not said in time")
-        late = within(m, 3, during=dut.waiting, happens=dut.o.valid, name="o: what waits does not come")
-        invariant(m, late <= Mux(dut.o.valid, 2, inside["left"] != 0), "it comes late")
+        late = within(m, 4, during=dut.waiting, happens=dut.o.valid, name="o: what waits does not come")
+        entries, left, begun = inside["entries"], inside["left"], inside["begun"]
+        far = Mux(left != 0, 2, entries.o.valid)
+        invariant(m, late <= Mux(dut.o.valid, 3, far), "it comes late")
+        invariant(m, ~begun | (left != 0) | dut.o.valid, "what is taken has not come out")
         m.d.comb += Assert(dut.waiting | ~dut.o.valid, "waiting: a request is none")
 
 
@@ -185,9 +193,9 @@ QUEUE = Claim(
     faults=(
         Fault("entries.room & ~self.full", "~self.full", "beats: more is inside", 24),
         Fault("for k in reversed(range(lanes)):", "for k in range(lanes):", "candidates: another", 12),
-        Fault("ready.eq(left == 0)", "ready.eq(rest == 0)", "candidates: another", 12),
+        Fault("ready.eq((left == 0) & begun)", "ready.eq((rest == 0) & begun)", "candidates: another", 12),
         Fault("Cat(lane, entry.ring)", "Cat(lane, entry.ring + 1)", "candidates: another", 12),
-        Fault("self.o.valid | left.any() | entries.o.valid", "self.o.valid | left.any()", "waiting", 12),
+        Fault("self.o.valid | entries.waiting", "self.o.valid", "waiting", 12),
     ),
 )
 

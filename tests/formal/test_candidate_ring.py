@@ -22,7 +22,7 @@ SIZE = 9
 """Columns of a window."""
 CAME = 2
 """Clocks in which a candidate may be in the queue that does not say so yet; proven there."""
-COMES = 3
+COMES = 4
 """Clocks until a candidate that waits comes out of the queue; proven there."""
 
 
@@ -39,7 +39,7 @@ class Short(Build):
 class RingChecker(Elaboratable):
     """Assumed: what is proven of the queue, and what the stage around both does.
 
-    Requests come in raster order, within three clocks where some wait. Where none waits, the next
+    Requests come in raster order, within four clocks where some wait. Where none waits, the next
     one is of a beat that has just been written: it is on its way through the peak mask, or came
     into the queue in the last two clocks. No beat is written in the second clock after ``full``.
     """

@@ -3,8 +3,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from amaranth.hdl import Module, Signal
+from amaranth.lib import stream, wiring
+from amaranth.lib.wiring import In, Out
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -95,6 +100,40 @@ def test_reading_ahead(rows: int, name: EngineName, stalls: Stalls) -> None:
     for buffering, clocks in (("lean", 1), ("banked", 0)):
         plain = CircularBuffer(BITS, rows, MAX_WIDTH, buffering)
         assert plain.latency - buffer_ahead(rows, buffering).latency == clocks
+
+
+class Late(wiring.Component):
+    """A lean buffer whose values wait a clock longer than their tags."""
+
+    def __init__(self, rows: int) -> None:
+        self._buffer = CircularBuffer(BITS, rows, MAX_WIDTH, "lean", reads_ahead=True, tags_first=True)
+        super().__init__({"i": In(stream.Signature(Beat(BITS))), "o": Out(self._buffer.o.signature)})
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        m.submodules.buffer = buffer = self._buffer
+        value = Signal(BITS)
+        with m.If(buffer.i.ready):
+            m.d.sync += value.eq(self.i.payload.data)
+        m.d.comb += [
+            buffer.i.valid.eq(self.i.valid),
+            self.i.ready.eq(buffer.i.ready),
+            buffer.i.payload.eq(self.i.payload),
+            buffer.i.payload.data.eq(value),
+        ]
+        wiring.connect(m, buffer.o, wiring.flipped(self.o))
+        return m
+
+
+@pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)
+def test_tags_first(name: EngineName, stalls: Stalls) -> None:
+    """Columns are those of values that come with their tags, in the same clock."""
+    rows = 3
+    sizes = many_sizes(rows, MAX_WIDTH) if name == "compiled" else [(rows + 2, 3), (rows, 7), (rows + 1, 4)]
+    capture = check(engine(name, Late, rows), rows, sizes, stalls)
+    if stalls == NO_STALLS:
+        before = check(engine(name, buffer_ahead, rows, "lean"), rows, sizes)
+        assert (before.output_clocks["o"] == capture.output_clocks["o"]).all()
 
 
 @pytest.mark.parametrize(("name", "stalls"), RUNS, ids=RUN_IDS)

@@ -29,15 +29,15 @@ def numbers(name: EngineName) -> Words:
 class Heeding(wiring.Component):
     """A source that reads ``room`` a clock late, and with ``twice`` has one more beat each time."""
 
-    def __init__(self, depth: int, twice: bool) -> None:
-        self._depth = depth
+    def __init__(self, depth: int, twice: bool, registered: bool = False) -> None:
+        self._depth, self._registered = depth, registered
         self._twice = twice
         port = stream.Signature(BITS)
         super().__init__({"i": In(port), "o": Out(port)})
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
-        m.submodules.queue = queue = Queue(BITS, self._depth)
+        m.submodules.queue = queue = Queue(BITS, self._depth, registered=self._registered)
         room, step, again, repeated = Signal(init=1), Signal(), Signal(), Signal(BITS)
         m.d.sync += room.eq(queue.room)
         m.d.comb += [
@@ -53,21 +53,26 @@ class Heeding(wiring.Component):
 
 
 @every_run
+@pytest.mark.parametrize("registered", [False, True])
 @pytest.mark.parametrize("depth", [4, 5, 16])
-def test_queue(depth: int, name: EngineName, stalls: Stalls) -> None:
+def test_queue(depth: int, registered: bool, name: EngineName, stalls: Stalls) -> None:
     beats = numbers(name)
-    block, late = (Heeding, depth, False), Queue.latency
+    late = Queue(BITS, depth, registered=registered).latency
+    assert late == Queue.latency + registered
+    block = (Heeding, depth, False, registered)
     capture = check_block(block, {"i": beats}, {"o": beats}, name, stalls, latency=late)
     if not stalls.outputs:
         assert (latency(capture) == late).all()
 
 
 @every_run
-@pytest.mark.parametrize("depth", [3, 4, 5, 9])
-def test_nothing_is_lost_with_one_more_to_come(depth: int, name: EngineName, stalls: Stalls) -> None:
+@pytest.mark.parametrize(("depth", "registered"), [(3, False), (4, False), (5, False), (9, False), (5, True)])
+def test_nothing_is_lost_with_one_more_to_come(
+    depth: int, registered: bool, name: EngineName, stalls: Stalls
+) -> None:
     beats = numbers(name)
     both = np.stack([beats, ~beats & np.uint64((1 << BITS) - 1)], axis=1).reshape(-1)
-    run_block((Heeding, depth, True), {"i": beats}, {"o": both}, name, stalls, clocks=4)
+    run_block((Heeding, depth, True, registered), {"i": beats}, {"o": both}, name, stalls, clocks=4)
 
 
 @pytest.mark.parametrize("depth", [3, 4, 5, 16, 20])
