@@ -82,9 +82,9 @@ def test_places(kind: str, lanes: int, stalls: Stalls) -> None:
 
 
 def check_rate(beat: Array, is_candidate: Array, came: Array, left: Array) -> None:
-    """Where none has to be waited for: a clock for each candidate, and one more for each beat."""
+    """Where none has to be waited for: a clock for each candidate, and two more for each beat."""
     both = is_candidate[1:] & is_candidate[:-1]
-    same, waited = both & (np.diff(beat) == 0), both & (came[1:] + 6 < left[:-1])
+    same, waited = both & (np.diff(beat) == 0), both & (came[1:] + 7 < left[:-1])
     steps = np.diff(left)
     assert (steps[same] == 1).all()
-    assert (waited & ~same).any() and (steps[waited & ~same] == 2).all()
+    assert (waited & ~same).any() and (steps[waited & ~same] == 3).all()
