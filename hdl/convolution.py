@@ -15,6 +15,7 @@ from golden.formats import SMOOTHING_SIZE
 from golden.parameters import Parameters
 from hdl.build import Build
 from hdl.gradient_squares import GradientSquares, gradient_difference
+from hdl.parts.delay_line import DelayLine
 from hdl.parts.lanes import Lanes, deliver, each_lane, lanes_of
 from hdl.parts.stream import Beat, Columns, Pipeline
 from hdl.preprocessing import difference_shape, gradient_shape, sizes_shape
@@ -165,6 +166,7 @@ class Convolution(wiring.Component):
             self._lanes,
             parameters.multiplied_pairs,
         )
+        self._tags = DelayLine(2, self.latency) if self._lanes > 1 else None
         super().__init__(
             {
                 "i": In(stream.Signature(Columns(sizes_shape(parameters), SMOOTHING_SIZE))),
@@ -188,7 +190,7 @@ class Convolution(wiring.Component):
 
     @property
     def memory_bits(self) -> int:
-        return self._squares.memory_bits
+        return self._squares.memory_bits + (self._tags.memory_bits if self._tags else 0)
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -211,7 +213,7 @@ class Convolution(wiring.Component):
                 products.b.eq(b.values[lane]),
                 products.c.eq(c.values[lane]),
             ]
-        deliver(m, pipe, self.i, self.o, c, lost=self._lost, more=SMOOTHING_SIZE - 1)
+        deliver(m, pipe, self.i, self.o, c, lost=self._lost, more=SMOOTHING_SIZE - 1, line=self._tags)
         return m
 
     def _look_up(self, m: Module, pipe: Pipeline) -> dict[str, list[Lanes]]:

@@ -13,9 +13,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from amaranth.hdl import C, Module, ShapeLike, Value, ValueLike
+from amaranth.hdl import C, Cat, Module, ShapeLike, Value, ValueLike
 from amaranth.lib import data
 
+from hdl.parts.delay_line import DelayLine
 from hdl.parts.stream import Pipeline, WindowCounter
 
 
@@ -155,7 +156,17 @@ def complete_beats(m: Module, pipe: Pipeline, eol: ValueLike, lanes: int, *, los
     return WindowCounter(m, beats + 1, step=pipe.valid & pipe.advance, eol=eol).complete
 
 
-def deliver(m: Module, pipe: Pipeline, i: Any, o: Any, values: Lanes, *, lost: int, more: int) -> None:
+def deliver(
+    m: Module,
+    pipe: Pipeline,
+    i: Any,
+    o: Any,
+    values: Lanes,
+    *,
+    lost: int,
+    more: int,
+    line: DelayLine | None = None,
+) -> None:
     """Drives valid and the tags of a block's output: beats that hold any complete column.
 
     Parameters
@@ -166,10 +177,18 @@ def deliver(m: Module, pipe: Pipeline, i: Any, o: Any, values: Lanes, *, lost: i
         What it delivers; says how many clocks that takes.
     lost, more
         As in :func:`complete_beats`.
+    line
+        A delay line of two bits and as many clocks, where the tags wait in place of registers.
     """
     complete = complete_beats(m, pipe, i.payload.eol, len(values), lost=lost, more=more)
+    if line is None:
+        eol, eof = (pipe.delay(i.payload[tag], values.clock, tag) for tag in ("eol", "eof"))
+    else:
+        m.submodules.tags = line
+        m.d.comb += [line.enable.eq(pipe.advance), line.i.eq(Cat(i.payload.eol, i.payload.eof))]
+        eol, eof = line.o
     m.d.comb += [
         o.valid.eq(pipe.delay(pipe.valid & complete, values.clock, "valid", reset=True)),
-        o.payload.eol.eq(pipe.delay(i.payload.eol, values.clock, "eol")),
-        o.payload.eof.eq(pipe.delay(i.payload.eof, values.clock, "eof")),
+        o.payload.eol.eq(eol),
+        o.payload.eof.eq(eof),
     ]
