@@ -35,8 +35,8 @@ LANES = {
     ),
     "the next beat of candidates waits for the last one to be taken": Mutation(
         "hdl/candidate_queue.py",
-        "entries.o.ready.eq(left == 0)",
-        "entries.o.ready.eq((left == 0) & ~self.o.valid)",
+        "entries.o.ready.eq((left == 0) & begun)",
+        "entries.o.ready.eq((left == 0) & begun & ~self.o.valid)",
         "tests/hdl/test_candidate_queue.py",
         "paper and unstalled",
     ),

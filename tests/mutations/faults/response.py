@@ -14,8 +14,8 @@ RESPONSE = {
     ),
     "the half that rounds a smoothed pixel is missing": Mutation(
         "hdl/pixel_filter.py",
-        "(ends + Cat(C(1, 1), here))",
-        "(ends + Cat(C(0, 1), here))",
+        "(outer + Cat(C(1, 1), here))",
+        "(outer + Cat(C(0, 1), here))",
         "tests/hdl/test_pixel_filter.py",
         "by_hand and amaranth",
     ),
