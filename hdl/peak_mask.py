@@ -107,12 +107,14 @@ class PeakMask(wiring.Component):
         here = middle.map(lambda v: _ahead(ties, v))
         upper_larger = ends[0].map(lambda a, b: a > b, ends[1])
         # not with the larger one: that would be two comparisons one after the other
-        peak = here.map(lambda v, a, b: (v > a) & (v > b), *ends)
+        beaten = [here.map(lambda v, e: v > e, v) for v in ends]
         if self._chooses_late:
-            upper_larger, peak = upper_larger.register("upper_larger"), peak.register("middle_larger")
+            upper_larger = upper_larger.register("upper_larger")
+            beaten = [v.register(f"beaten_{k}") for k, v in enumerate(beaten)]
             ends = [v.register(f"end_{k}") for k, v in enumerate(ends)]
             middle = middle.register("middle")
             here = middle.map(lambda v: _ahead(ties, v))
+        peak = beaten[0].map(lambda a, b: a & b, beaten[1])
         end = upper_larger.map(Mux, *ends)
         before = end.map(lambda e, v, p: Mux(p, v, e), here, peak).register("before")
         promising = peak.register("promising")

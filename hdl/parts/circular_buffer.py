@@ -115,11 +115,11 @@ class CircularBuffer(wiring.Component):
             # what is read waits for its beat; no adder comes before the address
             m.d.comb += read.en.eq(step)
             if foresees:
-                # the end of a row is foreseen. What is read during a frame's first row means
-                # nothing, and its end tells how long the rows are
-                restarts = Mux(rows_seen == 0, ~self.i.payload.eol, read.addr == last) | self.i.payload.eof
+                # the end of a row is foreseen. What is read before a frame's first row ends means
+                # nothing, and that end tells how long the rows are
+                following = Mux(read.addr == last, 0, read.addr + 1)
                 with m.If(step):
-                    m.d.sync += read.addr.eq(Mux(restarts, 0, read.addr + 1))
+                    m.d.sync += read.addr.eq(Mux(rows_seen == 0, self.i.payload.eol, following))
             else:
                 after_next = Signal(range(self._max_width))
                 m.d.comb += read.addr.eq(Mux(self.i.payload.eol, 0, after_next))
