@@ -108,24 +108,29 @@ class CandidateRing(wiring.Component):
         column = Signal(self.i.payload.column.shape())
         is_last, start = Signal(), Signal()
         m.d.comb += [
-            is_last.eq(count == self.interval - 1),
             self.i.ready.eq(~running | (is_last & advance)),
             start.eq(self.i.valid & self.i.ready),
         ]
+        stride = self._stride(m, count, advance & running)
         now = Signal(place_layout(self._build), reset_less=True)
         with m.If(advance & running):
-            m.d.sync += [count.eq(count + 1), column.eq(column + self._stride(count))]
+            m.d.sync += [
+                count.eq(count + 1),
+                is_last.eq(count == self.interval - 2),
+                column.eq(column + stride),
+            ]
         with m.If(self.i.ready):
             m.d.sync += [
                 running.eq(start),
                 count.eq(0),
+                is_last.eq(0),
                 column.eq(self.i.payload.column - self._newest),
                 now.eq(self.i.payload.place),
             ]
         with m.If(advance & running & is_last):
             m.d.sync += self.place.eq(now)
         self._guard(m, running, column)
-        probe(self, running=running, count=count, column=column)
+        probe(self, running=running, count=count, is_last=is_last, column=column)
         m.d.comb += Value.cast(self.o.payload.data).eq(self._read(m, advance, column))
         tags = Cat(running, running & is_last, running & is_last & now.end)
         for k in range(self.latency - 1):
@@ -136,12 +141,19 @@ class CandidateRing(wiring.Component):
         m.d.comb += Cat(self.o.valid, self.o.payload.eol, self.o.payload.eof).eq(tags)
         return m
 
-    def _stride(self, count: Signal) -> Value:
-        """From a column to the next."""
+    def _stride(self, m: Module, count: Signal, moves: Value) -> Value:
+        """From a column to the next: a register, so that only the sum follows."""
         strides = [b - a for a, b in itertools.pairwise(self._order)]
         if set(strides) == {1}:
             return C(1, 1)
-        return Array(C(stride, range(-1, max(strides) + 1)) for stride in strides)[count]
+        shape = range(-1, max(strides) + 1)
+        stride = Signal(shape)
+        with m.If(moves):
+            m.d.sync += stride.eq(Array(C(value, shape) for value in (*strides[1:], 0))[count])
+        with m.If(self.i.ready):
+            m.d.sync += stride.eq(strides[0])
+        probe(self, stride=stride)
+        return stride
 
     def _guard(self, m: Module, running: Signal, column: Signal) -> None:
         """Full: the column that is being read is nearly as old as the ring is long.

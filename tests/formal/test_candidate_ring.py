@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from typing import Any
 
@@ -119,6 +120,11 @@ class RingChecker(Elaboratable):
         invariant(m, inside["running"] == running, "running differs")
         invariant(m, ~running | (inside["count"] == place), "places differ")
         invariant(m, ~running | (place < dut.interval), "a place is none")
+        invariant(m, ~running | (inside["is_last"] == (place == dut.interval - 1)), "its end differs")
+        if "stride" in inside:
+            strides = Array(C(b - a, 5) for a, b in itertools.pairwise(order))[place]
+            going_on = running & (place < dut.interval - 1)
+            invariant(m, ~going_on | (inside["stride"].as_unsigned() == strides[:4]), "another stride")
         invariant(m, (age >= 1) | ~running, "the newest column is not written yet")
         invariant(m, ~running | (most <= age), "the next one is older")
         # full is said two clocks late, heeded one clock late, and not said anew between windows:
