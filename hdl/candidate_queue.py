@@ -200,6 +200,6 @@ class CandidateQueue(wiring.Component):
             m.d.sync += begun.eq(entries.o.valid)
             with m.If(entries.o.valid):
                 m.d.sync += left.eq(Cat(entry.mask, entry.note))
-        with m.Elif(left == 0):
+        with m.Elif(entries.o.ready):
             m.d.sync += begun.eq(0)
         probe(self, entries=entries, entry=entry, begun=begun, left=left)

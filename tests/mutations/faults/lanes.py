@@ -40,6 +40,13 @@ LANES = {
         "tests/hdl/test_candidate_queue.py",
         "paper and unstalled",
     ),
+    "where values come after their tags, the rows above come before them": Mutation(
+        "hdl/parts/circular_buffer.py",
+        'Cat(pipe.register(read.data, "column"), newest)',
+        "Cat(read.data, newest)",
+        "tests/hdl/parts/test_circular_buffer.py",
+        "tags_first and amaranth",
+    ),
     "a far line buffer foresees the end of its rows a beat late": Mutation(
         "hdl/parts/circular_buffer.py",
         "with m.If(tags[0]):\n                    m.d.sync += last.eq(write.addr)",
