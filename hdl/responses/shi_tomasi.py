@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Cat, Module, Mux, Value
+from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
 from hdl.build import Build
 from hdl.convolution import square_pairs
@@ -55,7 +55,7 @@ class Response(ResponseBlock):
         # its last register stands by itself, because the line is block RAM and so far away; in
         # several lanes that would take too much, and the sums before it have their own
         part = PART if lanes == 1 else min(self._bits, PART)
-        self._line = DelayLine(self._bits * lanes + 2, self.latency - 2, part)
+        self._line = DelayLine(self._bits * lanes + 2 + (lanes > 1), self.latency - 2, part)
         # the convolution's squares come first
         multiplied = parameters.multiplied_pairs - square_pairs(parameters)
         self._tables = [_tables(self._half, lanes, multiplied - len(PARTS) * lane) for lane in range(lanes)]
@@ -77,7 +77,8 @@ class Response(ResponseBlock):
         m.submodules.line = line = self._line
         tensors = each_lane(self.i.payload.data, self._lanes)
         sums = [(tensor.a + tensor.b)[: self._bits] for tensor in tensors]
-        given = Cat(*sums, self.i.payload.eol, self.i.payload.eof)
+        valid = Cat(pipe.valid)[: int(self._lanes > 1)]
+        given = Cat(*sums, valid, self.i.payload.eol, self.i.payload.eof)
         m.d.comb += [
             line.enable.eq(pipe.advance),
             line.i.eq(pipe.delay(given, int(self._lanes > 1), "given")),
@@ -95,10 +96,22 @@ class Response(ResponseBlock):
             register = pipe.register(clamped, lane_name("clamped", lane, self._lanes))
             m.d.comb += response.response.eq(register)
         m.d.comb += [
-            self.o.valid.eq(pipe.delay(pipe.valid, self.latency, "valid", reset=True)),
+            self.o.valid.eq(self._valid(m, pipe, waited[-3])),
             Cat(self.o.payload.eol, self.o.payload.eof).eq(pipe.register(waited[-2:], "tags")),
         ]
         return m
+
+    def _valid(self, m: Module, pipe: Pipeline, waited: Value) -> Value:
+        """Is there a beat at the output? With several pixels per clock the line knows."""
+        if self._lanes == 1:
+            return pipe.delay(pipe.valid, self.latency, "valid", reset=True)
+        # what was in the line before a reset has to leave it first
+        clocks = self.latency - 1
+        size = clocks.bit_length()
+        filled = Signal(size + 1, init=(1 << size) - clocks)
+        with m.If(pipe.advance & ~filled[-1]):
+            m.d.sync += filled.eq(filled + 1)
+        return pipe.register(waited & filled[-1], "valid", reset=True)
 
     def _radicand(self, m: Module, pipe: Pipeline, tensor: Any, lane: int) -> Value:
         """(A - B)² + (2C)²."""

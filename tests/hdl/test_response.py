@@ -4,9 +4,12 @@
 from __future__ import annotations
 
 from math import isqrt
+from typing import Any
 
 import numpy as np
 import pytest
+from amaranth.hdl import ResetInserter, Signal
+from amaranth.sim import Simulator
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -121,3 +124,33 @@ def test_memory_bits() -> None:
     tables = 14 * (2 * 256 + 512)
     wait, radicand = 19 * (23 - 2), 2 * (10 * 2 + 14 * 3)
     assert Response(ABSOLUTE).memory_bits == tables + wait + radicand
+
+
+@pytest.mark.parametrize("lanes", [1, 2])
+def test_no_beat_outlives_a_reset(lanes: int) -> None:
+    """Whenever it comes while beats are under way, also where they wait in memory."""
+    build = SHALLOW.changed(pixels_per_clock=lanes)
+    dut, reset = Response(build), Signal()
+
+    async def bench(ctx: Any) -> None:
+        ctx.set(dut.o.ready, 1)
+        for before in (1, dut.latency // 2, dut.latency - 1, 2 * dut.latency):
+            ctx.set(dut.i.valid, 1)
+            for _ in range(before):
+                await ctx.tick()
+            ctx.set(reset, 1)
+            await ctx.tick()
+            ctx.set(reset, 0)
+            # one beat at once; nothing comes out but this
+            seen = []
+            for clock in range(2 * dut.latency):
+                seen.append(ctx.get(dut.o.valid))
+                await ctx.tick()
+                if clock == 0:
+                    ctx.set(dut.i.valid, 0)
+            assert seen == [k == dut.latency for k in range(2 * dut.latency)]
+
+    simulator = Simulator(ResetInserter(reset)(dut))
+    simulator.add_clock(1e-8)
+    simulator.add_testbench(bench)
+    simulator.run()
