@@ -82,6 +82,20 @@ RECORDS = {
         "tests/hdl/test_dividers.py",
         "by_hand and amaranth and table",
     ),
+    "the carry of the upper one of two digits is lost": Mutation(
+        "hdl/table_divider.py",
+        "Cat(upper_one.replicate(2), products[1])",
+        "Cat(~upper_one.replicate(2), products[1])",
+        "tests/hdl/test_dividers.py",
+        "every_length and two-digits-amaranth-unstalled",
+    ),
+    "the carry of the lower one of two digits is lost": Mutation(
+        "hdl/table_divider.py",
+        "carries = Cat(lower_one,",
+        "carries = Cat(upper_one,",
+        "tests/hdl/test_dividers.py",
+        "many_operands and two-digits-surface",
+    ),
     "an address does not follow the last shift": Mutation(
         "hdl/table_divider.py",
         "Mux(small, denominator << 2, denominator)",
