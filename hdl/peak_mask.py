@@ -34,10 +34,9 @@ class PeakMask(wiring.Component):
 
     With ``budget`` every peak counts, whether it is above T1 or not.
 
-    Clocks: 1 registers near by, up to 2 the larger ones of pairs of rows but the middle, 1 the
-    largest of two of them and the middle (behind the many blocks of a window's rows 2, so that it
-    is compared in one and chosen in the other), up to 2 the largest of r columns, 1 comparisons, 1
-    what follows.
+    Clocks: 1 registers near by, up to 2 the larger ones of pairs of rows but the middle, 1
+    comparisons of two of them and the middle, 1 the largest, up to 2 the largest of r columns, 1
+    comparisons, 1 what follows. Three rows are near.
 
     Members
     -------
@@ -62,9 +61,10 @@ class PeakMask(wiring.Component):
         self._radius = parameters.algorithm.suppression
         self.rows = 2 * self._radius + 1
         r = self._radius
-        # where texture is judged, columns of all rows of a window come here
-        self._chooses_late = TEXTURES[parameters.algorithm.texture] is not None
-        self.latency = min(r, 3) + 1 + self._chooses_late + (r - 1).bit_length() + 2
+        # from the many blocks of a window's rows, where texture is judged, the way is too far for a
+        # comparison
+        self._near = int(r > 1 or TEXTURES[parameters.algorithm.texture] is not None)
+        self.latency = self._near + min(r, 3) + 1 + (r - 1).bit_length() + 2
         # those of a row are apart by more than the radius
         self.most = -(-self._lanes // (r + 1))
         self.largest_latency = (self._lanes - 1).bit_length() + 1
@@ -84,8 +84,7 @@ class PeakMask(wiring.Component):
         m, r, p = Module(), self._radius, self._parameters
         pipe = Pipeline(m, self.i, self.o, permit=self.permit)
         ties = p.algorithm.ties
-        # they come from block RAM, which is far away
-        rows = [self._row(pipe, k).register(f"row_{k}") for k in range(self.rows)]
+        rows = [self._row(pipe, k).register(f"row_{k}", self._near) for k in range(self.rows)]
         ends = [row.map(lambda v: _ahead(ties, v)) for row in rows[:r]]
         ends += [row.map(lambda v: _behind(ties, v)) for row in rows[r + 1 :]]
         middle = rows[r]
@@ -93,6 +92,18 @@ class PeakMask(wiring.Component):
             pairs = [a.map(larger, b) for a, b in zip(ends[::2], ends[1::2], strict=False)]
             ends = [v.register(f"ends_{k}") for k, v in enumerate(pairs + ends[len(ends) & ~1 :])]
             middle = middle.register("middle")
+
+        # compared in one clock, chosen in the next; the middle not with the larger one of the two,
+        # which would be two comparisons one after the other
+        here = middle.map(lambda v: _ahead(ties, v))
+        upper_larger = ends[0].map(lambda a, b: a > b, ends[1]).register("upper_larger")
+        beaten = [here.map(lambda v, e: v > e, v).register(f"beaten_{k}") for k, v in enumerate(ends)]
+        ends = [v.register(f"end_{k}") for k, v in enumerate(ends)]
+        middle = middle.register("middle")
+        # to those that come after, this column is one before; and the other way round
+        here = middle.map(lambda v: _ahead(ties, v))
+        peak = beaten[0].map(lambda a, b: a & b, beaten[1])
+        end = upper_larger.map(Mux, *ends)
 
         late = p.algorithm.window_size // 2 - r - RESPONSE_FILTER_REACH[p.algorithm.response_filter]
         marks = Cat(self.i.payload.eol, self.i.payload.eof, self._counts(m, pipe))
@@ -103,19 +114,6 @@ class PeakMask(wiring.Component):
         centres, left_larger = middle.back(r + late), left_larger.back(r + late)
         self._find_largest(m, pipe, centres, left_larger, marks[2:], marks[1])
 
-        # to those that come after, this column is one before; and the other way round
-        here = middle.map(lambda v: _ahead(ties, v))
-        upper_larger = ends[0].map(lambda a, b: a > b, ends[1])
-        # not with the larger one: that would be two comparisons one after the other
-        beaten = [here.map(lambda v, e: v > e, v) for v in ends]
-        if self._chooses_late:
-            upper_larger = upper_larger.register("upper_larger")
-            beaten = [v.register(f"beaten_{k}") for k, v in enumerate(beaten)]
-            ends = [v.register(f"end_{k}") for k, v in enumerate(ends)]
-            middle = middle.register("middle")
-            here = middle.map(lambda v: _ahead(ties, v))
-        peak = beaten[0].map(lambda a, b: a & b, beaten[1])
-        end = upper_larger.map(Mux, *ends)
         before = end.map(lambda e, v, p: Mux(p, v, e), here, peak).register("before")
         promising = peak.register("promising")
         if not p.budget:
