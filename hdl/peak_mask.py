@@ -34,9 +34,9 @@ class PeakMask(wiring.Component):
 
     With ``budget`` every peak counts, whether it is above T1 or not.
 
-    Clocks: 1 registers near by, up to 2 the larger ones of pairs of rows but the middle, 1
-    comparisons of two of them and the middle, 1 the largest, up to 2 the largest of r columns, 1
-    comparisons, 1 what follows. Three rows are near.
+    Clocks: 1 registers near by where rows come from far away, up to 2 the larger ones of pairs of
+    rows but the middle, 1 comparisons of two of them and the middle, 1 the largest, up to 2 the
+    largest of r columns, 1 comparisons, 1 what follows.
 
     Members
     -------
@@ -61,10 +61,9 @@ class PeakMask(wiring.Component):
         self._radius = parameters.algorithm.suppression
         self.rows = 2 * self._radius + 1
         r = self._radius
-        # from the many blocks of a window's rows, where texture is judged, the way is too far for a
-        # comparison
-        self._near = int(r > 1 or TEXTURES[parameters.algorithm.texture] is not None)
-        self.latency = self._near + min(r, 3) + 1 + (r - 1).bit_length() + 2
+        # three rows of S come from few blocks of RAM, which are near enough for a comparison
+        self._far = int(r > 1 or TEXTURES[parameters.algorithm.texture] is not None)
+        self.latency = self._far + min(r, 3) + 1 + (r - 1).bit_length() + 2
         # those of a row are apart by more than the radius
         self.most = -(-self._lanes // (r + 1))
         self.largest_latency = (self._lanes - 1).bit_length() + 1
@@ -84,7 +83,7 @@ class PeakMask(wiring.Component):
         m, r, p = Module(), self._radius, self._parameters
         pipe = Pipeline(m, self.i, self.o, permit=self.permit)
         ties = p.algorithm.ties
-        rows = [self._row(pipe, k).register(f"row_{k}", self._near) for k in range(self.rows)]
+        rows = [self._row(pipe, k).register(f"row_{k}", self._far) for k in range(self.rows)]
         ends = [row.map(lambda v: _ahead(ties, v)) for row in rows[:r]]
         ends += [row.map(lambda v: _behind(ties, v)) for row in rows[r + 1 :]]
         middle = rows[r]
