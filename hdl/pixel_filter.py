@@ -32,6 +32,8 @@ class PixelFilter(wiring.Component):
         Parameters of the detector.
     lost
         Columns of a row that are lost already.
+    tags_first
+        A beat's tags come out a clock before its pixels, as ``CircularBuffer`` may take them.
 
     Members
     -------
@@ -41,9 +43,10 @@ class PixelFilter(wiring.Component):
         Stream of ``Beat(pixels_shape(parameters))``.
     """
 
-    def __init__(self, parameters: Build, lost: int = 0) -> None:
+    def __init__(self, parameters: Build, lost: int = 0, *, tags_first: bool = False) -> None:
         self._lanes = parameters.pixels_per_clock
         self._lost = lost
+        self._tags_first = tags_first
         pixels = pixels_shape(parameters)
         super().__init__(
             {
@@ -54,7 +57,7 @@ class PixelFilter(wiring.Component):
 
     @property
     def latency(self) -> int:
-        return 2 if self._lanes == 1 else 3
+        return (2 if self._lanes == 1 else 3) - self._tags_first
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -63,7 +66,8 @@ class PixelFilter(wiring.Component):
         smoothed = _along(rows[0].map(binomial, *rows[1:]).register("down"))
         for pixel, value in zip(each_lane(self.o.payload.data, self._lanes), smoothed.values, strict=True):
             m.d.comb += pixel.eq(value)
-        deliver(m, pipe, self.i, self.o, smoothed, lost=self._lost, more=FILTER_ROWS - 1)
+        more = FILTER_ROWS - 1
+        deliver(m, pipe, self.i, self.o, smoothed, lost=self._lost, more=more, tags_first=self._tags_first)
         return m
 
 

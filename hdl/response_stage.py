@@ -62,15 +62,21 @@ class ResponseStage(wiring.Component):
         pixels, samples = pixels_shape(p), responses_shape(p)
         self.frame_control = FrameControl(p)
         ahead = p.pixels_per_clock > 1
+        # pixels wait for their tags in a filter, and need no register in the lean buffer behind it
+        first = ahead and p.buffering == "lean"
         self._filters: dict[str, Any] = {}
+
+        def buffer(rows: int) -> CircularBuffer:
+            behind = first and bool(self._filters)
+            return CircularBuffer(pixels, rows, p.beats, p.buffering, reads_ahead=ahead, tags_first=behind)
+
         for k in range(p.algorithm.pixel_passes):
             number = f" {k + 1}" if k else ""
-            buffer = CircularBuffer(pixels, FILTER_ROWS, p.beats, p.buffering, reads_ahead=ahead)
             self._filters |= {
-                f"filter buffer{number}": buffer,
-                f"pixel filter{number}": PixelFilter(p, 2 * k),
+                f"filter buffer{number}": buffer(FILTER_ROWS),
+                f"pixel filter{number}": PixelFilter(p, 2 * k, tags_first=first),
             }
-        self.pixel_buffer = CircularBuffer(pixels, PIXEL_ROWS, p.beats, p.buffering, reads_ahead=ahead)
+        self.pixel_buffer = buffer(PIXEL_ROWS)
         self.preprocessing = Preprocessing(p)
         self.convolution = Convolution(p)
         self.response = Response(p)

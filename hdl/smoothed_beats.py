@@ -18,7 +18,7 @@ from hdl.sample import responses_shape
 SMOOTHED_ROWS = CENTRE_SIZE + 2
 """Rows of D that three rows of S need."""
 ROWS_LOST = SMOOTHED_ROWS - CENTRE_SIZE
-VALUES_LATENCY = 3
+VALUES_LATENCY = 4
 
 
 class SmoothedBeats(wiring.Component):
@@ -29,9 +29,10 @@ class SmoothedBeats(wiring.Component):
 
         clock 1   a + c down the column
         clock 2   and 2b
-        clock 3   the same along the row: pairs of neighbours, and pairs of these
+        clock 3   the same along the row: pairs of neighbours
+        clock 4   pairs of these
 
-    Columns come from block RAM, which is far away, so a single sum begins there.
+    No two sums meet in one clock.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ class SmoothedBeats(wiring.Component):
         for k in range(self._rows):
             outer = rows[k].map(outer_sum, rows[k + 2]).register(f"outer_{k}")
             down = outer.map(with_middle, middle[k]).register(f"down_{k}")
-            pair = down + down.back(1)
+            pair = (down + down.back(1)).register(f"pair_{k}")
             smoothed = (pair + pair.back(1))[4:].register(f"smoothed_{k}")
             for sample, value in zip(
                 each_lane(self.o.payload.data[k], self._lanes), smoothed.values, strict=True

@@ -166,6 +166,7 @@ def deliver(
     lost: int,
     more: int,
     line: DelayLine | None = None,
+    tags_first: bool = False,
 ) -> None:
     """Drives valid and the tags of a block's output: beats that hold any complete column.
 
@@ -179,16 +180,19 @@ def deliver(
         As in :func:`complete_beats`.
     line
         A delay line of two bits and as many clocks, where the tags wait in place of registers.
+    tags_first
+        The tags come a clock before the values, as ``CircularBuffer`` may take them.
     """
+    clocks = values.clock - tags_first
     complete = complete_beats(m, pipe, i.payload.eol, len(values), lost=lost, more=more)
     if line is None:
-        eol, eof = (pipe.delay(i.payload[tag], values.clock, tag) for tag in ("eol", "eof"))
+        eol, eof = (pipe.delay(i.payload[tag], clocks, tag) for tag in ("eol", "eof"))
     else:
         m.submodules.tags = line
         m.d.comb += [line.enable.eq(pipe.advance), line.i.eq(Cat(i.payload.eol, i.payload.eof))]
         eol, eof = line.o
     m.d.comb += [
-        o.valid.eq(pipe.delay(pipe.valid & complete, values.clock, "valid", reset=True)),
+        o.valid.eq(pipe.delay(pipe.valid & complete, clocks, "valid", reset=True)),
         o.payload.eol.eq(eol),
         o.payload.eof.eq(eof),
     ]
