@@ -11,6 +11,7 @@ from amaranth.lib.wiring import In, Out
 from golden.algorithm import RESPONSE_FILTER_REACH, Ties
 from hdl.build import Build
 from hdl.corner_detection import larger
+from hdl.parts.arithmetic import exceeds
 from hdl.parts.lanes import Lanes, counting_lanes, each_lane
 from hdl.parts.stream import Columns, Pipeline, WindowCounter
 from hdl.sample import responses_shape
@@ -95,8 +96,8 @@ class PeakMask(wiring.Component):
         # compared in one clock, chosen in the next; the middle not with the larger one of the two,
         # which would be two comparisons one after the other
         here = middle.map(lambda v: _ahead(ties, v))
-        upper_larger = ends[0].map(lambda a, b: a > b, ends[1]).register("upper_larger")
-        beaten = [here.map(lambda v, e: v > e, v).register(f"beaten_{k}") for k, v in enumerate(ends)]
+        upper_larger = ends[0].map(exceeds, ends[1]).register("upper_larger")
+        beaten = [here.map(exceeds, v).register(f"beaten_{k}") for k, v in enumerate(ends)]
         ends = [v.register(f"end_{k}") for k, v in enumerate(ends)]
         middle = middle.register("middle")
         # to those that come after, this column is one before; and the other way round
@@ -109,14 +110,14 @@ class PeakMask(wiring.Component):
         counted = middle.clock
         marks = pipe.delay(marks, counted, "marks")
         # compared before they wait
-        left_larger = middle.back(1).map(lambda left, here: left > here, middle)
+        left_larger = middle.back(1).map(exceeds, middle)
         centres, left_larger = middle.back(r + late), left_larger.back(r + late)
         self._find_largest(m, pipe, centres, left_larger, marks[2:], marks[1])
 
         before = end.map(lambda e, v, p: Mux(p, v, e), here, peak).register("before")
         promising = peak.register("promising")
         if not p.budget:
-            above = middle.map(lambda v: v > self.t1).register("above")
+            above = middle.map(lambda v: exceeds(v, self.t1)).register("above")
             promising = promising.map(lambda a, b: a & b, above)
         if r == 1 and ties == "first":
             left, right = self._compare_neighbours(before, promising, peak.register("peak"))
@@ -144,8 +145,8 @@ class PeakMask(wiring.Component):
         # of a promising column that is the middle
         own = before
         before, after, (promising, own) = self._of_neighbours(before, after, [promising, own])
-        left = own.map(lambda v, b: v > b, before.back(1))
-        right = own.back(self._radius).map(lambda v, a: v > a, after)
+        left = own.map(exceeds, before.back(1))
+        right = own.back(self._radius).map(exceeds, after)
         return left.map(lambda a, b: a & b, promising).register("beats_left"), right.register("beats_right")
 
     @staticmethod
@@ -156,7 +157,7 @@ class PeakMask(wiring.Component):
         the middle of the right column that equals it, but what lies above, and before.
         """
         larger_one = column.map(
-            lambda here, left, peak: Cat(~peak, here) > Cat(C(0, 1), left), column.back(1), peak
+            lambda here, left, peak: exceeds(Cat(~peak, here), Cat(C(0, 1), left)), column.back(1), peak
         )
         left = larger_one.map(lambda a, b: a & b, promising).register("beats_left")
         return left, larger_one.map(lambda a: ~a).register("beats_right")
@@ -221,7 +222,7 @@ class PeakMask(wiring.Component):
                 break
             values = [larger(a, b) for a, b in zip(kept[::2], kept[1::2], strict=True)]
             level += 1
-        with m.If(step & (starts | (kept[0] > self.largest))):
+        with m.If(step & (starts | exceeds(kept[0], self.largest))):
             m.d.sync += self.largest.eq(kept[0])
 
 

@@ -19,3 +19,11 @@ def add_with_carry(a: Value, b: Value, carry: Value) -> Value:
     """a + b + carry, both signed, as one carry chain: the carry enters below the lowest bit."""
     low = Cat(carry, b).as_signed()
     return (Cat(C(1, 1), a).as_signed() + low)[1:].as_signed()
+
+
+def exceeds(a: Value, b: Value) -> Value:
+    """a > b, both unsigned and equally wide, by the carry of b - a.
+
+    Of a comparison some tools make a tree of tables, which is larger and slower.
+    """
+    return (b - a)[-1]

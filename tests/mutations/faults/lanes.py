@@ -28,7 +28,7 @@ LANES = {
     ),
     "a response that equals the threshold can be a peak": Mutation(
         "hdl/peak_mask.py",
-        "v > self.t1",
+        "exceeds(v, self.t1)",
         "v >= self.t1",
         "tests/hdl/test_peak_mask.py",
         "strict and unstalled",
@@ -84,8 +84,8 @@ LANES = {
     ),
     "a later equal response suppresses an earlier one of another beat": Mutation(
         "hdl/peak_mask.py",
-        "Cat(~peak, here) > Cat(C(0, 1), left)",
-        "Cat(C(1, 1), here) > Cat(C(0, 1), left)",
+        "exceeds(Cat(~peak, here), Cat(C(0, 1), left))",
+        "exceeds(Cat(C(1, 1), here), Cat(C(0, 1), left))",
         "tests/hdl/test_peak_mask.py",
         "first and unstalled",
     ),
