@@ -77,7 +77,7 @@ class CandidateQueue(wiring.Component):
     i
         Stream of ``mask_layout(lanes)``, which is ready as long as there is room: a register.
     full
-        The ring has no room; it closes the input a clock later.
+        The ring has no room, or there are no thresholds yet; it closes the input a clock later.
     cells
         With ``max_per_cell`` only: as in :class:`hdl.candidate_selection.Selection`.
     o

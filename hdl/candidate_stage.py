@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import Module, Signal, Value
+from amaranth.hdl import C, Module, Signal, Value
 from amaranth.lib import wiring
 
 from golden.algorithm import RESPONSE_FILTER_REACH
@@ -75,7 +75,7 @@ class CandidateStage(wiring.Component):
         algorithm, size, shape = p.algorithm, p.algorithm.window_size, responses_shape(p)
         reach = RESPONSE_FILTER_REACH[algorithm.response_filter]
         self._halves, self._choosing = p.sums_halves, p.max_per_cell > 0
-        self._place = place_layout(p)
+        self._place, self._lean = place_layout(p), p.buffering == "lean"
         rows = 2 * reach + 1 if p.buffers_smoothed else size
         self.response_buffer = CircularBuffer(shape, rows, p.beats, p.buffering, reads_ahead=True)
         self.smoothed_beats: Any = None
@@ -190,17 +190,22 @@ class CandidateStage(wiring.Component):
     def _search(self, m: Module) -> None:
         """Peaks into the queue, columns into the ring."""
         peaks, queue, ring = self.peak_mask, self.candidate_queue, self.candidate_ring
-        columns: Any = self.response_buffer.o
-        if self._smoothed_buffer:
-            columns = self._smooth(m, *self._smoothed_buffer.values())
+        buffer = self.response_buffer
+        for buffer in self._smoothed_buffer.values():
+            self._smooth(m, buffer)
+        columns: Any = buffer.o
         first: Any = peaks
         if self.smoothed_beats and not self._smoothed_buffer:
             first = self.smoothed_beats
             m.d.comb += peaks.permit.eq(1)
             wiring.connect(m, first.o, peaks.i)
+        # what comes before the first column must move, or there will be no limits
+        permit, full = self.limits.valid | ~columns.valid, C(0, 1)
+        if self._lean:
+            # a clock ahead, in the register that stops everything
+            permit, full = C(1, 1), ~self.limits.valid & buffer.filled
         m.d.comb += [
-            # what comes before the first column must move, or there will be no limits
-            first.permit.eq(self.limits.valid | ~columns.valid),
+            first.permit.eq(permit),
             peaks.t1.eq(self.limits.payload.t1),
             peaks.last_lanes.eq(self.limits.payload.last_lanes),
         ]
@@ -213,11 +218,11 @@ class CandidateStage(wiring.Component):
             *(ring.columns[k].eq(source.payload.data[top + k]) for k in range(len(ring.columns))),
             ring.step.eq(source.valid & source.ready),
             ring.waiting.eq(queue.waiting),
-            queue.full.eq(ring.full),
+            queue.full.eq(ring.full | full),
         ]
 
-    def _smooth(self, m: Module, buffer: CircularBuffer) -> Any:
-        """Columns of S, smoothed once."""
+    def _smooth(self, m: Module, buffer: CircularBuffer) -> None:
+        """Into the buffer of S, smoothed once."""
         smoothed = self.smoothed_beats
         self._pass_rows(m, smoothed.i, self.response_buffer.o)
         m.d.comb += [
@@ -227,7 +232,6 @@ class CandidateStage(wiring.Component):
             Value.cast(buffer.i.payload).eq(smoothed.o.payload),
             smoothed.o.ready.eq(buffer.i.ready),
         ]
-        return buffer.o
 
     @staticmethod
     def _pass_rows(m: Module, sink: Any, source: Any) -> None:

@@ -52,6 +52,11 @@ class CircularBuffer(wiring.Component):
         With ``reads_ahead``: a beat's value comes a clock after its tags, which is a clock in which
         the buffer moves. So the incoming value waits in no register, and the source's must hold it.
 
+    Attributes
+    ----------
+    filled
+        With ``reads_ahead`` and ``"lean"`` only: a beat that is taken now completes a column.
+
     Members
     -------
     i
@@ -78,6 +83,7 @@ class CircularBuffer(wiring.Component):
         self._registers = registers if buffering == "lean" else 0
         self._reads_ahead = reads_ahead
         self._tags_first = tags_first
+        self.filled = Signal()
         super().__init__(
             {"i": In(stream.Signature(Beat(shape))), "o": Out(stream.Signature(Columns(shape, rows)))}
         )
@@ -135,6 +141,8 @@ class CircularBuffer(wiring.Component):
         tags = pipe.register(Cat(eol, eof), "tags")
 
         complete = rows_seen == stored
+        if self._reads_ahead:
+            m.d.comb += self.filled.eq(complete)
         with m.If(arrived & eol & pipe.advance):
             with m.If(eof):
                 m.d.sync += rows_seen.eq(0)
@@ -152,9 +160,9 @@ class CircularBuffer(wiring.Component):
         store = pipe.register(arrived, "store", reset=True)
         with m.If(store & pipe.advance):
             m.d.sync += write.addr.eq(Mux(tags[0], 0, write.addr + 1))
-            if self._reads_ahead and foresees:
-                with m.If(tags[0]):
-                    m.d.sync += last.eq(write.addr)
+        if self._reads_ahead and foresees:
+            with m.If(store & tags[0]):
+                m.d.sync += last.eq(write.addr)
         m.d.comb += [
             write.data.eq(column[width:]),
             write.en.eq(store),

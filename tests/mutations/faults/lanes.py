@@ -49,8 +49,8 @@ LANES = {
     ),
     "a far line buffer foresees the end of its rows a beat late": Mutation(
         "hdl/parts/circular_buffer.py",
-        "with m.If(tags[0]):\n                    m.d.sync += last.eq(write.addr)",
-        "with m.If(tags[0]):\n                    m.d.sync += last.eq(write.addr + 1)",
+        "m.d.sync += last.eq(write.addr)",
+        "m.d.sync += last.eq(write.addr + 1)",
         "tests/hdl/parts/test_circular_buffer.py",
         "reading_ahead and unstalled",
     ),
