@@ -233,7 +233,7 @@ class Convolution(wiring.Component):
                     found[name][row * self._lanes : (row + 1) * self._lanes],
                     f"{name}_square_{row}",
                     numbers.clock + GradientSquares.latency,
-                )
+                ).register(f"{name}_near", self._near(row) if name == "d" else 0)
                 for row, numbers in enumerate(rows)
             ]
             for name, rows in given.items()
@@ -251,12 +251,20 @@ class Convolution(wiring.Component):
             difference = gx.map(partial(gradient_difference, signed=self._signed), gy)
             difference = difference.register(f"difference_{row}")
             late = MIDDLE_LATE if row == MIDDLE_ROW else 0
-        # where C may wait, a difference is as late behind the outer ones as a gradient
-        with_it = difference.clock if self._cross_late else 0
+        # where C may wait, a difference is as late behind the outer ones as a gradient; where not,
+        # its square waits near by instead
+        with_it = difference.clock if self._cross_late else -self._near(row)
         return {
             name: numbers.register(f"{name}_late_{row}", max(clock - numbers.clock, 0))
             for name, numbers, clock in (("a", gx, late), ("b", gy, late), ("d", difference, late + with_it))
         }
+
+    def _near(self, row: int) -> int:
+        """Clocks in which the squares of a row's differences wait, out of far block RAM.
+
+        The middle row's are next added to a sum of two adders, in one clock.
+        """
+        return int(self._lanes > 1 and not self._cross_late and row == MIDDLE_ROW)
 
     def _cross_of_columns(self, a: Lanes, b: Lanes, d: Lanes) -> Lanes:
         """C rounded, from sums down the columns, in the clock of the sums A and B."""

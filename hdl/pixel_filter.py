@@ -24,7 +24,7 @@ class PixelFilter(wiring.Component):
         clock 2   the same along the row
 
     With one pixel per clock each column meets the two before it in a chain of adders; with several
-    the sums of two neighbours are shared, which takes a clock more.
+    the sums of two neighbours are shared.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class PixelFilter(wiring.Component):
 
     @property
     def latency(self) -> int:
-        return (2 if self._lanes == 1 else 3) - self._tags_first
+        return 2 - self._tags_first
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
@@ -76,7 +76,7 @@ def _along(down: Lanes) -> Lanes:
     if len(down) == 1:
         three = down.back(1).map(lambda one, here: one + (here << 1), down)
         return (three.back(1) + down)[4:].register("smoothed")
-    pairs = (down + down.back(1)).register("pairs")
+    pairs = down + down.back(1)
     return (pairs + pairs.back(1))[4:].register("smoothed")
 
 

@@ -73,7 +73,7 @@ def test_by_hand(name: EngineName) -> None:
     assert seen["eol"].tolist() == [0, 0, 1] * 3 and seen["eof"].tolist() == [0] * 8 + [1]
 
 
-def test_latency() -> None:
-    """Sums of neighbours are a clock of their own where lanes share them."""
-    assert PixelFilter(Build.profile("paper")).latency == 2
-    assert PixelFilter(Build.profile("paper", pixels_per_clock=2)).latency == 3
+@pytest.mark.parametrize("lanes", [1, 2])
+def test_latency(lanes: int) -> None:
+    assert PixelFilter(Build.profile("paper", pixels_per_clock=lanes)).latency == 2
+    assert PixelFilter(Build.profile("paper", pixels_per_clock=lanes), tags_first=True).latency == 1
