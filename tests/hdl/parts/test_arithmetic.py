@@ -1,5 +1,5 @@
 # amaranth: UnusedElaboratable=no
-"""Sums with a carry: all pairs of narrow numbers, ends of wide ones; one adder, no multiplier."""
+"""Sums with a carry, and comparisons: all pairs of narrow numbers, ends of wide ones; one adder."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hdl.build import Build
 from hdl.detector import Detector
-from hdl.parts.arithmetic import add_with_carry
+from hdl.parts.arithmetic import add_with_carry, exceeds
 from sim.engine import EngineName
 from tests.support.blocks import ENGINES, check_block
 
@@ -78,6 +78,38 @@ def test_by_hand(name: EngineName) -> None:
 def test_it_is_one_adder() -> None:
     text = rtlil.convert(Sum(11, 11), name="top", emit_src=False)
     assert text.count("cell $add ") == 1 and "cell $sub" not in text
+
+
+class Larger(wiring.Component):
+    """a > b, of unsigned numbers."""
+
+    def __init__(self, bits: int) -> None:
+        self.i_shape = data.StructLayout({"a": bits, "b": bits})
+        self.o_shape = data.StructLayout({"larger": 1})
+        super().__init__({"i": In(stream.Signature(self.i_shape)), "o": Out(stream.Signature(self.o_shape))})
+
+    def elaborate(self, platform: Any) -> Module:
+        m = Module()
+        given = self.i.payload
+        m.d.comb += [
+            self.o.valid.eq(self.i.valid),
+            self.i.ready.eq(self.o.ready),
+            self.o.payload.larger.eq(exceeds(given.a, given.b)),
+        ]
+        return m
+
+
+@pytest.mark.parametrize("bits", [1, 4, 18])
+def test_the_larger_one(bits: int) -> None:
+    top = (1 << bits) - 1
+    some = np.arange(16) if bits == 4 else np.unique([0, 1, top // 2, top // 2 + 1, top - 1, top])
+    a, b = (grid.reshape(-1) for grid in np.meshgrid(some, some))
+    check_block((Larger, bits), {"i": {"a": a, "b": b}}, {"o": {"larger": a > b}}, latency=0)
+
+
+def test_a_comparison_is_a_subtraction() -> None:
+    text = rtlil.convert(Larger(11), name="top", emit_src=False)
+    assert text.count("cell $sub ") == 1 and "cell $gt" not in text and "cell $lt" not in text
 
 
 @pytest.mark.parametrize("name", ["paper", "robust"])
