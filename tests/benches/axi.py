@@ -93,6 +93,8 @@ class Bench:
         self.dut = dut
         self.parameters = p = Build.profile("paper", **json.loads(os.environ[PARAMETERS]))
         self.lanes = lanes = p.pixels_per_clock
+        # with textures, candidates in noise may come faster than they are judged
+        self.noise_waits = lanes >= 4 and p.algorithm.texture != "none"
         self.least, self.narrowest = p.algorithm.support, p.min_width
         self.small = max(self.least, 15 + (p.algorithm.pixel_passes > 0))
         self.usual = 37 * lanes - lanes // 2, 29
