@@ -72,10 +72,19 @@ class FrameControl(wiring.Component):
         last_but_one_y = Signal.like(y, init=least - 2)
         eol, last_row, eof = Signal(), Signal(), Signal()
         m.d.comb += eof.eq(eol & last_row)
+        next_row = [y.eq(Mux(last_row, 0, y + 1)), last_row.eq(y == last_but_one_y)]
         with m.If(step):
             m.d.sync += [first.eq(eof), x.eq(Mux(eol, 0, x + 1)), eol.eq(x == last_but_one_x)]
-            with m.If(eol):
-                m.d.sync += [y.eq(Mux(last_row, 0, y + 1)), last_row.eq(y == last_but_one_y)]
+            if lanes == 1:
+                with m.If(eol):
+                    m.d.sync += next_row
+        if lanes > 1:
+            # a clock later, because what stops everything is far away; a row has beats enough
+            row_ended = Signal()
+            m.d.sync += row_ended.eq(step & eol)
+            with m.If(row_ended):
+                m.d.sync += next_row
+            probe(self, row_ended=row_ended)
         # sampled in every clock up to that of the first beat, so that no logic has to detect it
         width = _clamped(self.width, p.min_width, p.max_width)
         settings = self.next_settings if lanes == 1 else Cat(self.next_settings, width[:lane_bits])

@@ -113,22 +113,36 @@ class FrameControlChecker(Elaboratable):
             with m.If(board.following):
                 invariant(m, Value.cast(port.payload) == board.value, "another beat waits at the output")
         invariant(m, inside["first"] == first, "first differs")
+        found = self._found(m, inside, first, place["x"])
         for axis, ends, early, step in (
             ("x", "eol", "last_but_one_x", lanes),
             ("y", "last_row", "last_but_one_y", 1),
         ):
             count = (kept[axis] + (step - 1))[step.bit_length() - 1 :]
             inside_range = (kept[axis] >= least[axis]) & (kept[axis] <= largest[axis])
-            invariant(m, inside[axis] == place[axis], f"{axis} differs")
+            invariant(m, found[axis] == place[axis], f"{axis} differs")
             invariant(m, inside[early] >= -(-least[axis] // step) - 2, f"{axis} could end at once")
             with m.If(~first):
                 invariant(m, inside_range, f"{axis} size out of range")
                 invariant(m, place[axis] < count, f"{axis} out of range")
                 invariant(m, inside[early] == count - 2, f"the end of {axis} differs")
-                invariant(m, inside[ends] == (place[axis] + 1 == count), f"{ends} differs")
+                invariant(m, found[ends] == (place[axis] + 1 == count), f"{ends} differs")
             with m.Else():
-                invariant(m, ~inside[ends], f"{ends} at a first pixel")
+                invariant(m, ~found[ends], f"{ends} at a first pixel")
         return m
+
+    def _found(self, m: Module, inside: Any, first: Value, x: Value) -> dict[str, Value]:
+        """Its registers; with several lanes those of rows as they are once a row's end has come."""
+        found = {name: inside[name] for name in ("x", "y", "eol", "last_row")}
+        if self._lanes == 1:
+            return found
+        late, y, last_row, early = (inside[name] for name in ("row_ended", "y", "last_row", "last_but_one_y"))
+        with m.If(late):
+            invariant(m, x == 0, "a row ended earlier")
+            invariant(m, last_row == first, "another row ended")
+            invariant(m, ~first | (y == early + 1), "a frame ended in another row")
+        following = {"y": Mux(last_row, 0, y + 1)[: len(y)], "last_row": y == early}
+        return found | {name: Mux(late, value, inside[name]) for name, value in following.items()}
 
 
 SMALL = variant(
