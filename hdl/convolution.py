@@ -88,16 +88,27 @@ def _with_double(value: Value, doubled: Value) -> Value:
     return Cat(value[0], value[1:] + doubled)
 
 
-def _row_sum(column: Lanes, name: str, *, clocks: int = 3) -> Lanes:
+def _pairs(column: Lanes, name: str) -> Lanes:
+    """Sums of neighbours, which lanes share, a clock later."""
+    return (column + column.back(1)).register(f"{name}_pairs")
+
+
+def _sum_of_pairs(pairs: Lanes, name: str, *, clocks: int = 2) -> Lanes:
+    """The sum of five columns out of sums of neighbours, one or two clocks later.
+
+    Lanes share the sums of four columns, too.
+    """
+    fours = (pairs + pairs.back(1)).register(f"{name}_fours", clocks - 1)
+    return (fours + fours.back(2)).register(f"{name}_total")
+
+
+def _row_sum(column: Lanes, name: str) -> Lanes:
     """Sum of five columns under [1 2 2 2 1], three bits wider, with the window's last column.
 
-    With one pixel per clock it takes one clock, otherwise three, or two with two sums in one.
+    With one pixel per clock it takes one clock, otherwise three.
     """
     if len(column) > 1:
-        # neighbouring lanes share sums of two and of four columns
-        pairs = (column + column.back(1)).register(f"{name}_pairs", clocks - 2)
-        fours = (pairs + pairs.back(1)).register(f"{name}_fours")
-        return (fours + fours.back(2)).register(f"{name}_total")
+        return _sum_of_pairs(_pairs(column, name), name)
     # the column meets the four before it in a chain of adders, in which each register holds the
     # part of one window that has been seen
     taps = column.back(1)
@@ -123,10 +134,10 @@ def _cross_less_one(a: Value, b: Value, d: Value) -> Value:
 
 
 def _round_halves(total: Value) -> Value:
-    """C of a signed sum that has 24 in it: half a unit, less 8 for columns of one less."""
-    # halves away from zero: 8 more from 0 up, 7 below; between them either gives 0
+    """C of a signed sum that has 28 in it: half a unit, less 4 for pairs of one less."""
+    # halves away from zero: 4 more from 0 up, 3 below; between them either gives 0
     negative = total[-1]
-    return (total + Cat(negative.replicate(3), ~negative))[SHIFT : len(total)].as_signed()
+    return (total + Cat(negative.replicate(2), ~negative))[SHIFT : len(total)].as_signed()
 
 
 class Convolution(wiring.Component):
@@ -197,11 +208,15 @@ class Convolution(wiring.Component):
         pipe = Pipeline(m, self.i, self.o)
         squares = self._look_up(m, pipe)
         columns = [_column_sum(squares[name], name, half=name != "d") for name in "abd"]
-        a, b = (_row_sum(column, name) for column, name in zip(columns[:2], "ab", strict=True))
         if self._lanes > 1:
-            c = self._cross_of_columns(*columns)
+            pairs_a, pairs_b = _pairs(columns[0], "a"), _pairs(columns[1], "b")
+            a, b = _sum_of_pairs(pairs_a, "a"), _sum_of_pairs(pairs_b, "b")
+            if self._signed:
+                c = self._cross_of_pairs(pairs_a, pairs_b, _pairs(columns[2], "d"))
+            else:
+                c = self._cross_of_columns(*columns)
         else:
-            d = _row_sum(columns[2], "d")
+            a, b, d = (_row_sum(column, name) for column, name in zip(columns, "abd", strict=True))
             c = self._signed_cross(a, b, d) if self._signed else a.map(_cross, b, d)[SHIFT:]
         a, b = (
             total[SHIFT:].register(f"{name}_rounded", c.clock - total.clock)
@@ -267,14 +282,21 @@ class Convolution(wiring.Component):
         return int(self._lanes > 1 and not self._cross_late and row == MIDDLE_ROW)
 
     def _cross_of_columns(self, a: Lanes, b: Lanes, d: Lanes) -> Lanes:
-        """C rounded, from sums down the columns, in the clock of the sums A and B."""
+        """C rounded, from sums down the columns."""
         width = len(a.values[0])
-        if not self._signed:
-            both = (a + b)[1:].register("both_columns")
-            column = both.map(lambda both, d: (both - d[1:])[:width], d).register("c_column")
-            return _row_sum(column, "c")[SHIFT:]
-        column = a.map(lambda a, b, d: _cross_less_one(a, b, d)[: width + 1].as_signed(), b, d)
-        return _row_sum(column.register("c_column"), "c", clocks=2).map(_round_halves)
+        both = (a + b)[1:].register("both_columns")
+        column = both.map(lambda both, d: (both - d[1:])[:width], d).register("c_column")
+        return _row_sum(column, "c")[SHIFT:]
+
+    def _cross_of_pairs(self, a: Lanes, b: Lanes, d: Lanes) -> Lanes:
+        """Signed C rounded, in the clock of the sums A and B.
+
+        Two sums meet in a clock twice, so not where columns come from far away: neighbouring
+        columns of d are added first, as those of a and b are.
+        """
+        width = len(a.values[0])
+        pairs = a.map(lambda a, b, d: _cross_less_one(a, b, d)[: width + 1].as_signed(), b, d)
+        return _sum_of_pairs(pairs.register("c_pairs"), "c", clocks=1).map(_round_halves)
 
     def _signed_cross(self, a: Lanes, b: Lanes, d: Lanes) -> Lanes:
         """C rounded, one clock later: halves away from zero."""
