@@ -56,8 +56,8 @@ RESPONSE = {
     ),
     "a half of C that is negative is rounded up in lanes": Mutation(
         "hdl/convolution.py",
-        "Cat(negative.replicate(3), ~negative)",
-        "C(8, 4)",
+        "Cat(negative.replicate(2), ~negative)",
+        "C(4, 3)",
         "tests/hdl/test_lanes.py",
         "convolution_halves",
     ),
