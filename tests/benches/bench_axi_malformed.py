@@ -40,7 +40,7 @@ def row(test: Callable[[Bench, Random], Awaitable[None]]) -> Any:
 
     run.__name__ = run.__qualname__ = test.__name__
     run.__doc__ = test.__doc__
-    return cocotb.test(timeout_time=20, timeout_unit="ms")(cocotb.parametrize(pauses=PAUSES)(run))
+    return cocotb.test(timeout_time=50, timeout_unit="ms")(cocotb.parametrize(pauses=PAUSES)(run))
 
 
 async def configure(bench: Bench, random_: Random, **changes: int) -> None:
