@@ -130,8 +130,9 @@ class CandidateRing(wiring.Component):
         with m.If(advance & running & is_last):
             m.d.sync += self.place.eq(now)
         self._guard(m, running, column)
+        half = self._half_further(m, column, stride, advance & running)
         probe(self, running=running, count=count, is_last=is_last, column=column)
-        m.d.comb += Value.cast(self.o.payload.data).eq(self._read(m, advance, column))
+        m.d.comb += Value.cast(self.o.payload.data).eq(self._read(m, advance, column, half))
         tags = Cat(running, running & is_last, running & is_last & now.end)
         for k in range(self.latency - 1):
             register = Signal(3, name=f"tags_{k + 1}")
@@ -155,6 +156,19 @@ class CandidateRing(wiring.Component):
         probe(self, stride=stride)
         return stride
 
+    def _half_further(self, m: Module, column: Signal, stride: Value, moves: Value) -> Signal:
+        """The column half a beat further right: a register, because its address goes far."""
+        lanes = self._build.pixels_per_clock
+        if self._build.window_reads == 1:
+            return column
+        half = Signal.like(column)
+        with m.If(moves):
+            m.d.sync += half.eq(half + stride)
+        with m.If(self.i.ready):
+            m.d.sync += half.eq(self.i.payload.column + (lanes // 2 - self._newest))
+        probe(self, half=half)
+        return half
+
     def _guard(self, m: Module, running: Signal, column: Signal) -> None:
         """Full: the column that is being read is nearly as old as the ring is long.
 
@@ -174,12 +188,12 @@ class CandidateRing(wiring.Component):
         self.written = written
         probe(self, written=written, age=age, was_running=was_running)
 
-    def _read(self, m: Module, advance: Value, column: Signal) -> Value:
+    def _read(self, m: Module, advance: Value, column: Signal, half: Signal) -> Value:
         """The column, or two of them side by side in each row."""
         build = self._build
         lanes, reads = build.pixels_per_clock, build.window_reads
         lane_bits = (lanes - 1).bit_length()
-        beat, beat_before_half = column[lane_bits:], (column + lanes // 2)[lane_bits : len(column)]
+        beat, beat_before_half = column[lane_bits:], half[lane_bits:]
 
         def register(value: Value, name: str) -> Signal:
             signal = Signal(len(value), name=name, reset_less=True)

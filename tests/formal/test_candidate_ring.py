@@ -116,6 +116,10 @@ class RingChecker(Elaboratable):
             Cover(dut.o.valid & dut.o.payload.eol & dut.o.ready, "a window is complete"),
         ]
 
+        if "half" in inside:
+            further = (inside["column"] + lanes // 2)[: lane_bits + ring_bits]
+            m.d.comb += Assert(~running | (inside["half"] == further), "the other column is elsewhere")
+
         limit = beats - self._design.SLACK
         invariant(m, inside["running"] == running, "running differs")
         invariant(m, ~running | (inside["count"] == place), "places differ")
