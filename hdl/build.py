@@ -191,6 +191,14 @@ class Build(Parameters):
         return 0 if self.buffering == "lean" else buffers
 
     @property
+    def is_wide(self) -> bool:
+        """Are beats so wide that the registers of one lie far apart?
+
+        Then what enables them comes out of a register, also where that takes another row of them.
+        """
+        return self.pixels_per_clock > 4
+
+    @property
     def buffers_smoothed(self) -> bool:
         """Are responses smoothed once and then buffered, not made anew for each row of a window?
 

@@ -77,7 +77,8 @@ class CandidateStage(wiring.Component):
         self._halves, self._choosing = p.sums_halves, p.max_per_cell > 0
         self._place, self._lean = place_layout(p), p.buffering == "lean"
         rows = 2 * reach + 1 if p.buffers_smoothed else size
-        self.response_buffer = CircularBuffer(shape, rows, p.beats, p.buffering, reads_ahead=True)
+        waits = p.is_wide and p.buffers_smoothed
+        self.response_buffer = CircularBuffer(shape, rows, p.beats, p.buffering, reads_ahead=not waits)
         self.smoothed_beats: Any = None
         if reach:
             # S waits for its tags in the smoothed beats, and needs no register in the lean buffer

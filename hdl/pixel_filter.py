@@ -20,7 +20,7 @@ FILTER_ROWS = 3
 class PixelFilter(wiring.Component):
     """One pass of ``golden.pixel_filter``: rows come out two columns shorter.
 
-        clock 1   a + 2b + c down the column
+        clock 1   a + 2b + c down the column; with 8 pixels per clock in two clocks
         clock 2   the same along the row
 
     With one pixel per clock each column meets the two before it in a chain of adders; with several
@@ -44,7 +44,7 @@ class PixelFilter(wiring.Component):
     """
 
     def __init__(self, parameters: Build, lost: int = 0, *, tags_first: bool = False) -> None:
-        self._lanes = parameters.pixels_per_clock
+        self._lanes, self._wide = parameters.pixels_per_clock, parameters.is_wide
         self._lost = lost
         self._tags_first = tags_first
         pixels = pixels_shape(parameters)
@@ -57,13 +57,19 @@ class PixelFilter(wiring.Component):
 
     @property
     def latency(self) -> int:
-        return 2 - self._tags_first
+        return 2 + self._wide - self._tags_first
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         rows = [Lanes(pipe, each_lane(row, self._lanes), "row") for row in self.i.payload.data]
-        smoothed = _along(rows[0].map(binomial, *rows[1:]).register("down"))
+        if self._wide:
+            # columns come from far block RAM: a single sum begins there
+            ends, middle = rows[0].map(outer_sum, rows[2]).register("ends"), rows[1].register("middle")
+            down = ends.map(with_middle, middle)
+        else:
+            down = rows[0].map(binomial, *rows[1:])
+        smoothed = _along(down.register("down"))
         for pixel, value in zip(each_lane(self.o.payload.data, self._lanes), smoothed.values, strict=True):
             m.d.comb += pixel.eq(value)
         more = FILTER_ROWS - 1

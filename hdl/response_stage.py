@@ -68,7 +68,10 @@ class ResponseStage(wiring.Component):
 
         def buffer(rows: int) -> CircularBuffer:
             behind = first and bool(self._filters)
-            return CircularBuffer(pixels, rows, p.beats, p.buffering, reads_ahead=ahead, tags_first=behind)
+            reads_ahead = ahead and (behind or rows > FILTER_ROWS or not p.is_wide)
+            return CircularBuffer(
+                pixels, rows, p.beats, p.buffering, reads_ahead=reads_ahead, tags_first=behind
+            )
 
         for k in range(p.algorithm.pixel_passes):
             number = f" {k + 1}" if k else ""
