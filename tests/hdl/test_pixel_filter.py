@@ -73,7 +73,8 @@ def test_by_hand(name: EngineName) -> None:
     assert seen["eol"].tolist() == [0, 0, 1] * 3 and seen["eof"].tolist() == [0] * 8 + [1]
 
 
-@pytest.mark.parametrize("lanes", [1, 2])
-def test_latency(lanes: int) -> None:
-    assert PixelFilter(Build.profile("paper", pixels_per_clock=lanes)).latency == 2
-    assert PixelFilter(Build.profile("paper", pixels_per_clock=lanes), tags_first=True).latency == 1
+@pytest.mark.parametrize(("lanes", "clocks"), [(1, 2), (2, 2), (8, 3)])
+def test_latency(lanes: int, clocks: int) -> None:
+    build = Build.profile("paper", pixels_per_clock=lanes)
+    assert PixelFilter(build).latency == clocks
+    assert PixelFilter(build, tags_first=True).latency == clocks - 1
