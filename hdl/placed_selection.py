@@ -43,8 +43,7 @@ class PlacedSelection(Selection):
         candidates, pending = self._queues(m)
         room, ending, picked = Signal(init=1), Signal(), Signal()
         step, place, verdict = self._take(m, room), self.place, self._verdict
-        # as place.end, but out of a register near by
-        m.d.comb += ending.eq(self.last)
+        m.d.comb += ending.eq(step & place.end)
         allowed, (x, y) = C(1), (place.x, place.y)
         if p.budget:
             allowed, (x, y) = self._budget(m, step, ending, (x, y))
