@@ -11,7 +11,7 @@ from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
 
 from hdl.build import Build
-from hdl.candidate_queue import request_layout
+from hdl.candidate_queue import place_layout, request_layout
 from hdl.parts.lanes import each_lane, lanes_of
 from hdl.parts.probes import probe
 from hdl.parts.stream import Columns
@@ -69,6 +69,8 @@ class CandidateRing(wiring.Component):
         Stream of ``Columns(lanes_of(response_layout(build), build.window_reads), rows)``, a window
         in :func:`window_order` to a row. ``eof``: it is no candidate, but the end of a frame, and
         the columns mean nothing.
+    place
+        The place of the window whose last column is on offer.
     """
 
     def __init__(self, build: Build, rows: int, size: int, late: int) -> None:
@@ -85,6 +87,7 @@ class CandidateRing(wiring.Component):
                 "waiting": In(1),
                 "full": Out(1),
                 "o": Out(stream.Signature(Columns(sample, rows))),
+                "place": Out(place_layout(build)),
             }
         )
 
@@ -109,7 +112,7 @@ class CandidateRing(wiring.Component):
             start.eq(self.i.valid & self.i.ready),
         ]
         stride = self._stride(m, count, advance & running)
-        is_end = Signal()
+        now = Signal(place_layout(self._build), reset_less=True)
         with m.If(advance & running):
             m.d.sync += [
                 count.eq(count + 1),
@@ -122,13 +125,15 @@ class CandidateRing(wiring.Component):
                 count.eq(0),
                 is_last.eq(0),
                 column.eq(self.i.payload.column - self._newest),
-                is_end.eq(self.i.payload.place.end),
+                now.eq(self.i.payload.place),
             ]
+        with m.If(advance & running & is_last):
+            m.d.sync += self.place.eq(now)
         self._guard(m, running, column)
         half = self._half_further(m, column, stride, advance & running)
         probe(self, running=running, count=count, is_last=is_last, column=column)
         m.d.comb += Value.cast(self.o.payload.data).eq(self._read(m, advance, column, half))
-        tags = Cat(running, running & is_last, running & is_last & is_end)
+        tags = Cat(running, running & is_last, running & is_last & now.end)
         for k in range(self.latency - 1):
             register = Signal(3, name=f"tags_{k + 1}")
             with m.If(advance):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from amaranth.hdl import C, Module, Value
+from amaranth.hdl import C, Module, Signal, Value
 from amaranth.lib import wiring
 
 from golden.algorithm import RESPONSE_FILTER_REACH
@@ -13,7 +13,7 @@ from hdl.adaptation import Adaptation
 from hdl.build import Build
 from hdl.candidate_centres import CandidateCentres
 from hdl.candidate_peak import CandidatePeak
-from hdl.candidate_queue import CandidateQueue
+from hdl.candidate_queue import CandidateQueue, place_layout
 from hdl.candidate_ring import CandidateRing
 from hdl.candidate_texture import CandidateTexture
 from hdl.centre_rows import CENTRE_SIZE
@@ -27,7 +27,6 @@ from hdl.sample import responses_shape
 from hdl.smoothed_beats import SmoothedBeats
 from hdl.surface import SurfaceFit
 from hdl.textures import TEXTURES
-from hdl.window_places import WindowPlaces
 
 
 class CandidateStage(wiring.Component):
@@ -76,7 +75,7 @@ class CandidateStage(wiring.Component):
         algorithm, size, shape = p.algorithm, p.algorithm.window_size, responses_shape(p)
         reach = RESPONSE_FILTER_REACH[algorithm.response_filter]
         self._halves, self._choosing = p.sums_halves, p.max_per_cell > 0
-        self._lean = p.buffering == "lean"
+        self._place, self._lean = place_layout(p), p.buffering == "lean"
         rows = 2 * reach + 1 if p.buffers_smoothed else size
         waits = p.is_wide and p.buffers_smoothed
         self.response_buffer = CircularBuffer(shape, rows, p.beats, p.buffering, reads_ahead=not waits)
@@ -105,11 +104,6 @@ class CandidateStage(wiring.Component):
         else:
             behind = (size - CENTRE_SIZE) // 2 - reach
             self.candidate_ring = CandidateRing(p, CENTRE_SIZE, CENTRE_SIZE, behind)
-        ring = self.candidate_ring
-        read = ring.latency + ring.interval - 1
-        if self.centre_rows is not None:
-            read += self.centre_rows.last if p.sums_halves else self.centre_rows.latency
-        self.window_places = WindowPlaces(p, -(-read // ring.interval) + 1)
         self.candidate_peak = CandidatePeak(p, late)
         self.surface_fit = SurfaceFit(p)
         self.selection = PlacedSelection(p)
@@ -161,7 +155,6 @@ class CandidateStage(wiring.Component):
             "peak_mask": self.peak_mask,
             "candidate_queue": self.candidate_queue,
             "candidate_ring": self.candidate_ring,
-            "window_places": self.window_places,
             "texture_filter": self.texture_filter,
             "centre_rows": self.centre_rows,
             "candidate_peak": self.candidate_peak,
@@ -277,12 +270,10 @@ class CandidateStage(wiring.Component):
         wiring.connect(m, self.candidate_peak.o, selection.corners)
         wiring.connect(m, self.surface_fit.o, selection.surfaces)
         # it stays until the next window's centre has come, when all is said about this one
-        places, requests = self.window_places, self.candidate_ring.i
-        place = places.place
+        place = Signal(self._place, reset_less=True)
+        with m.If(centres.valid & centres.ready & centres.payload.eol):
+            m.d.sync += place.eq(self.candidate_ring.place)
         m.d.comb += [
-            places.put.eq(requests.valid & requests.ready),
-            places.given.eq(requests.payload.place),
-            places.take.eq(centres.valid & centres.ready & centres.payload.eol),
             self.candidate_peak.note.eq(place.note),
             self.candidate_peak.end.eq(place.end),
             selection.place.eq(place),

@@ -157,12 +157,6 @@ LANES = {
         "Mux(upper, groups[0], groups[1])",
         "tests/hdl/test_candidate_ring.py",
     ),
-    "a window has the place of the one that is asked for": Mutation(
-        "hdl/window_places.py",
-        "(read, self.take)",
-        "(read, self.put)",
-        "tests/hdl/test_window_places.py",
-    ),
     "it is forgotten which unit has which candidate": Mutation(
         "hdl/refinement_units.py",
         "order.i.payload.eq(taking)",
