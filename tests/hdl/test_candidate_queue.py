@@ -73,12 +73,12 @@ def test_places(kind: str, lanes: int, stalls: Stalls) -> None:
     x = np.where(is_candidate, places["x"], 0)
     got = np.stack([column, x, places["y"], places["note"], places["end"]], axis=1)
     wanted = np.array(expected)
-    if stalls == NO_STALLS:
-        came = capture.input_clocks["i"][wanted[:, 0] // lanes]
-        check_rate(wanted[:, 0] // lanes, is_candidate, came, capture.output_clocks["o"])
+    beat = wanted[:, 0] // lanes
     wanted[:, 0] %= build.ring_beats * lanes
     assert got.tolist() == wanted.tolist()
     assert is_candidate.sum() > 3 * block.beats
+    if stalls == NO_STALLS:
+        check_rate(beat, is_candidate, capture.input_clocks["i"][beat], capture.output_clocks["o"])
 
 
 def check_rate(beat: Array, is_candidate: Array, came: Array, left: Array) -> None:
