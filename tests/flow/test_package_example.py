@@ -146,7 +146,7 @@ AT_WORK: dict[str, tuple[PackageInterface, dict[str, Any]]] = {
         "avalon",
         {"pixels_per_clock": 2, "buffering": "lean", "max_width": 63, "pixel_bits": 10},
     ),
-    "avalon-8": ("avalon", {"pixels_per_clock": 8, "buffering": "lean", "max_width": 61}),
+    "avalon-8": ("avalon", {"pixels_per_clock": 8, "buffering": "lean", "max_width": 57}),
 }
 
 
