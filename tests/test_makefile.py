@@ -48,7 +48,11 @@ def test_a_variable_that_changes_nothing(arguments: list[str], name: str, allowe
         (["compare", "ARGS=--quick"], "cornerstream compare --quick\n"),
         (["export"], "cornerstream quartus export --output build/quartus --force \n"),
         (["clean", "BUILD=elsewhere"], "rm -rf elsewhere\n"),
-        (["verilog", "PYTHON=python3.11", "CXX=g++ -m64"], "cornerstream verilog -o build/cornerstream.v"),
+        # in a folder that is not there, so that there is something to be done
+        (
+            ["verilog", "PYTHON=python3.11", "CXX=g++ -m64", "BUILD=elsewhere"],
+            "cornerstream verilog -o elsewhere/cornerstream.v",
+        ),
     ],
 )
 def test_variables_that_change_something(arguments: list[str], command: str) -> None:
