@@ -63,13 +63,10 @@ class PixelFilter(wiring.Component):
         m = Module()
         pipe = Pipeline(m, self.i, self.o)
         rows = [Lanes(pipe, each_lane(row, self._lanes), "row") for row in self.i.payload.data]
-        if self._wide:
-            # columns come from far block RAM: a single sum begins there
-            ends, middle = rows[0].map(outer_sum, rows[2]).register("ends"), rows[1].register("middle")
-            down = ends.map(with_middle, middle)
-        else:
-            down = rows[0].map(binomial, *rows[1:])
-        smoothed = _along(down.register("down"))
+        # wide columns come from far block RAM: a single sum begins there
+        ends = rows[0].map(outer_sum, rows[2]).register("ends", int(self._wide))
+        middle = rows[1].register("middle", int(self._wide))
+        smoothed = _along(ends.map(with_middle, middle).register("down"))
         for pixel, value in zip(each_lane(self.o.payload.data, self._lanes), smoothed.values, strict=True):
             m.d.comb += pixel.eq(value)
         more = FILTER_ROWS - 1
