@@ -38,9 +38,14 @@ class CornerCounter(wiring.Component):
         High for one clock when ``count`` is new.
     """
 
-    pixels: In(stream.Signature(unsigned(BUILD.pixel_bits)))  # type: ignore[valid-type]
-    count: Out(24)  # type: ignore[valid-type]
-    done: Out(1)  # type: ignore[valid-type]
+    def __init__(self) -> None:
+        super().__init__(
+            {
+                "pixels": In(stream.Signature(unsigned(BUILD.pixel_bits))),
+                "count": Out(24),
+                "done": Out(1),
+            }
+        )
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()

@@ -42,11 +42,16 @@ class StrongestCorner(wiring.Component):
         High for one clock when these are new.
     """
 
-    beats: In(stream.Signature(BEAT))  # type: ignore[valid-type]
-    x: Out(20)  # type: ignore[valid-type]
-    y: Out(20)  # type: ignore[valid-type]
-    response: Out(21)  # type: ignore[valid-type]
-    done: Out(1)  # type: ignore[valid-type]
+    def __init__(self) -> None:
+        super().__init__(
+            {
+                "beats": In(stream.Signature(BEAT)),
+                "x": Out(20),
+                "y": Out(20),
+                "response": Out(21),
+                "done": Out(1),
+            }
+        )
 
     def elaborate(self, platform: Any) -> Module:
         m = Module()
