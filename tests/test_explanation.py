@@ -128,8 +128,8 @@ def test_port_table() -> None:
 @pytest.mark.parametrize("buffering", ["lean", "banked"])
 def test_synthesis_figures(buffering: str) -> None:
     """Area and clock of the paper's size are those that are committed with the comparison page."""
-    wanted = {"profile": "paper", "buffering": buffering, "width": 1200, "height": 720}
-    wanted |= {"pixels_per_clock": 1, "multiplied": 0}
+    size = {"width": 1200, "height": 720}
+    wanted = {"profile": "paper", "buffering": buffering, **size, "pixels_per_clock": 1, "multiplied": 0}
     builds = json.loads((DOCS / "results" / FIGURES_NAME).read_text(encoding="utf-8"))["builds"]
     (build,) = (each for each in builds if wanted.items() <= each.items())
     for figure in (build["le_packed"], build["memory_bits"]):
